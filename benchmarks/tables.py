@@ -23,54 +23,23 @@ SIZES = (10_000, 50_000, 100_000, 500_000)
 SECONDS = 120  # that one solver may take
 WRONG = 1e-3  # of the largest unknown: a solution that is farther off is none
 NAMES = {1: "Laplacian systems (Table 1)", 2: "Bi-Laplacian systems (Table 2)"}
-TUTORIAL = {  # set-up, precomputation and three solutions there, by thousands of unknowns
+TUTORIAL = {  # set-up, precomputation and three solutions there, for each of SIZES that a solver reached
     1: {
-        "CG": {
-            10: ".11 / 1.56 / .08",
-            50: ".56 / 9.18 / .98",
-            100: "1.15 / 16.0 / 3.19",
-            500: "5.42 / 87.3 / 47.4",
-        },
-        "MG": {
-            10: ".15 / .65 / .09",
-            50: ".92 / 4.00 / .57",
-            100: "1.73 / 8.10 / .96",
-            500: "8.70 / 40.2 / 5.57",
-        },
-        "LU": {
-            10: ".07 / .22 / .01",
-            50: ".38 / 2.79 / .10",
-            100: ".79 / 5.66 / .21",
-            500: "3.69 / 68.4 / 1.54",
-        },
-        "LLT": {
-            10: ".07 / .14 / .03",
-            50: ".39 / 1.00 / .15",
-            100: ".80 / 2.26 / .31",
-            500: "3.74 / 17.4 / 1.74",
-        },
+        "CG": (".11 / 1.56 / .08", ".56 / 9.18 / .98", "1.15 / 16.0 / 3.19", "5.42 / 87.3 / 47.4"),
+        "MG": (".15 / .65 / .09", ".92 / 4.00 / .57", "1.73 / 8.10 / .96", "8.70 / 40.2 / 5.57"),
+        "LU": (".07 / .22 / .01", ".38 / 2.79 / .10", ".79 / 5.66 / .21", "3.69 / 68.4 / 1.54"),
+        "LLT": (".07 / .14 / .03", ".39 / 1.00 / .15", ".80 / 2.26 / .31", "3.74 / 17.4 / 1.74"),
     },
     2: {
-        "CG": {10: ".33 / 5.78 / .44", 50: "1.84 / 33.3 / 8.95"},
-        "MG": {
-            10: ".40 / .65 / .48",
-            50: "2.82 / 4.05 / 2.34",
-            100: "4.60 / 8.13 / 4.08",
-            500: "24.1 / 40.3 / 23.4",
-        },
-        "LU": {10: ".24 / 1.68 / .03", 50: "1.42 / 22.9 / .26", 100: "2.86 / 92.8 / .73"},
-        "LLT": {
-            10: ".24 / .35 / .04",
-            50: "1.42 / 2.82 / .28",
-            100: "2.88 / 7.29 / .62",
-            500: "12.9 / 60.4 / 3.60",
-        },
+        "CG": (".33 / 5.78 / .44", "1.84 / 33.3 / 8.95"),
+        "MG": (".40 / .65 / .48", "2.82 / 4.05 / 2.34", "4.60 / 8.13 / 4.08", "24.1 / 40.3 / 23.4"),
+        "LU": (".24 / 1.68 / .03", "1.42 / 22.9 / .26", "2.86 / 92.8 / .73"),
+        "LLT": (".24 / .35 / .04", "1.42 / 2.82 / .28", "2.88 / 7.29 / .62", "12.9 / 60.4 / 3.60"),
     },
 }
 
-Solution = tuple[
-    float, float, np.ndarray
-]  # seconds of what is computed once, and of three solutions, and these
+# Seconds of what is computed once, and of three solutions, and these.
+Solution = tuple[float, float, np.ndarray]
 Way = Callable[[sn.LinearSystem], Solution]
 
 
@@ -203,7 +172,7 @@ def table(order: int, found: dict[tuple[int, str], dict[str, float] | None], siz
             for cell in cells
         ]
         lines.append(f"| {count // 1000}k | {' | '.join(words)} |")
-        there = [TUTORIAL[order].get(name, {}).get(count // 1000, "") for name in WAYS]
+        there = [dict(zip(SIZES, TUTORIAL[order].get(name, ()))).get(count, "") for name in WAYS]
         if any(there):
             lines.append(f"| *there* | {' | '.join(there)} |")
     return "\n".join(lines)

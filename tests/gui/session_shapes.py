@@ -6,24 +6,13 @@ from collections.abc import Callable, Iterator
 import bmesh
 import bpy
 import numpy as np
+import window
 from driving import above, apart, claim, near, rest, run, until
 from editing import select
 from hand import between, drag, hold, keys, move, open_sidebar, polyline, press, release, stroke, undo
 from inside import inner
 from mathutils import Vector
 from scenes import deformer, head, only_head, shown, smooth_head
-from window import (
-    Place,
-    button,
-    differing,
-    in_view,
-    look_from_front,
-    middle,
-    on_screen,
-    screenshot,
-    units_per_pixel,
-    viewport,
-)
 
 FLOAT32 = 4e-6  # of a head 4 units wide
 NOSE, EAR = (0.0, 0.0, -0.3), (1.7, 0.0, 0.35)  # as seen from the front
@@ -42,21 +31,21 @@ def is_well() -> bool:
 def head_from_front(levels: int) -> Iterator[None]:
     """Without a deformer, beside the panel of Sinew."""
     smooth_head(levels)
-    look_from_front()
+    window.look_from_front()
     yield from open_sidebar()
 
 
 def pull(name: str, choose: Callable[[], None], height: str, far: float) -> Iterator[np.ndarray]:
     """Move the points that ``choose()`` selects in Edit Mode of a control; returns the shape."""
     at_rest = shown()
-    yield from keys("TAB", at=middle())
+    yield from keys("TAB", at=window.middle())
     yield from until(lambda: bpy.data.objects[name].mode == "EDIT")
     choose()
-    yield from keys("G", "Z", height, at=middle())
+    yield from keys("G", "Z", height, at=window.middle())
     on_the_way = shown()
     yield from keys("RET")
     posed = shown()
-    screenshot("3-edit-mode")
+    window.screenshot("3-edit-mode")
     with claim("the mesh follows edits of a cage and a lattice while they happen"):
         near(posed, on_the_way, FLOAT32)
         off = np.abs(posed - at_rest)
@@ -76,9 +65,9 @@ def cage() -> Iterator[None]:
     only_head().modifiers.new("Subdivision", "SUBSURF").levels = 2
     bpy.ops.object.shade_smooth()
     yield from open_sidebar()
-    with in_view():
+    with window.in_view():
         bpy.ops.view3d.view_selected()
-    button("cage_add", faces=200)
+    window.button("cage_add", faces=200)
     yield from until(lambda: deformer() is not None and deformer().is_bound)
     made, name = deformer().cage, deformer().cage.name
     with claim("the cage is made and waits to be edited"):
@@ -88,7 +77,7 @@ def cage() -> Iterator[None]:
         assert is_well(), deformer().status
     at_rest = shown()
     yield from rest()
-    screenshot("2-cage")
+    window.screenshot("2-cage")
     choose = lambda: select(bpy.data.objects[name], lambda point: point.x > 0.75)  # noqa: E731
     posed = yield from pull(name, choose, ".5", far=-1.0)
     with claim("the mesh moves as far as the cage"):
@@ -99,16 +88,16 @@ def cage() -> Iterator[None]:
     settings.overlay = "CAGE"
     for name, settings.show_overlay in (("5-weights", True), ("6-plain", False)):
         yield from rest(4)
-        screenshot(name)
+        window.screenshot(name)
     with claim("weights are drawn over the mesh"):
-        above(differing("5-weights", "6-plain"), 0.05)
+        above(window.differing("5-weights", "6-plain"), 0.05)
 
 
 def lattice() -> Iterator[None]:
     yield from head_from_front(1)
-    viewport().spaces.active.shading.type = "SOLID"
+    window.viewport().spaces.active.shading.type = "SOLID"
     at_rest = shown()
-    button("lattice_add", resolution=(4, 4, 4))
+    window.button("lattice_add", resolution=(4, 4, 4))
     yield from until(lambda: deformer() is not None and deformer().is_bound)
     name = deformer().controls[0].object.name
     with claim("the lattice fits and waits to be edited"):
@@ -119,7 +108,7 @@ def lattice() -> Iterator[None]:
     yield from rest()
 
     def choose() -> None:
-        with in_view():
+        with window.in_view():
             bpy.ops.lattice.select_all(action="DESELECT")
         for point in bpy.data.objects[name].data.points:
             point.select = point.co_deform.x > 0.3 and point.co_deform.z > 0.3
@@ -133,16 +122,16 @@ def surface() -> Iterator[None]:
     """The nose dragged by an inverse lattice, an ear with its image, a typed number, Esc and undo."""
     yield from head_from_front(1)
     head().select_set(True)
-    with in_view():
+    with window.in_view():
         bpy.ops.sinew.deformer_add(method="inverse_ffd")
         bpy.ops.wm.tool_set_by_id(name="sinew.drag")
     deformer().use_mirror_x = True
     bpy.ops.ed.undo_push(message="Deformer")
     yield from rest()
-    at_rest, unit = shown(), units_per_pixel()
+    at_rest, unit = shown(), window.units_per_pixel()
 
     def pull_from(point: tuple[float, float, float], right: int, up: int) -> Iterator[None]:
-        x, y = on_screen(point)
+        x, y = window.on_screen(point)
         yield from hold([(x, y), *between((x, y), (x + right, y + up))])
 
     def handles() -> list[str]:
@@ -160,7 +149,7 @@ def surface() -> Iterator[None]:
         above(apart(nose, at_rest), 0.2)
     yield from pull_from(EAR, 20, 50)
     yield from rest()
-    screenshot("5-ears")
+    window.screenshot("5-ears")
     yield from keys("X")
     press("NUMPAD_PERIOD", ".")
     yield from keys("3")
@@ -177,7 +166,7 @@ def surface() -> Iterator[None]:
         near(shown(), nose, FLOAT32)
 
 
-def raise_from(place: Place, up: int) -> Iterator[None]:
+def raise_from(place: window.Place, up: int) -> Iterator[None]:
     yield from keys("G", at=place)
     yield from keys("LEFTMOUSE", at=(place[0], place[1] + up))
     yield
@@ -193,10 +182,10 @@ def wires() -> Iterator[None]:
         edge.select_set(False)
     max(edit.verts, key=lambda vertex: vertex.co.z).link_edges[0].select_set(True)
     bmesh.update_edit_mesh(head().data)
-    with in_view():
+    with window.in_view():
         bpy.ops.mesh.loop_multi_select(ring=False)
     yield from rest(3)
-    button("wire_add")
+    window.button("wire_add")
     yield from rest(3)
     bpy.ops.object.mode_set(mode="OBJECT")
     yield from rest(3)
@@ -210,7 +199,7 @@ def wires() -> Iterator[None]:
             other.select_set(False)
         wire.select_set(True)
         bpy.context.view_layer.objects.active = wire
-        yield from raise_from(on_screen((0.0, 0.0, 0.5)), 60)
+        yield from raise_from(window.on_screen((0.0, 0.0, 0.5)), 60)
         above(moved(before), 0.1)
         yield from undo()
         near(shown(), before, FLOAT32)
@@ -219,15 +208,17 @@ def wires() -> Iterator[None]:
 
 def radius_by_its_arrow() -> Iterator[None]:
     """The mesh is active, and the tool is Move."""
-    with in_view():
+    with window.in_view():
         bpy.ops.wm.tool_set_by_id(name="builtin.move")
     yield from rest(3)
     row, depsgraph = deformer().controls[0], bpy.context.evaluated_depsgraph_get()
     place, direction = inner.reach_drag.reach_of(row, depsgraph).measured["radius"]
     before = row.radius
 
-    def tip(radius: float) -> Place:
-        return on_screen(deformer().controls[0].object.matrix_world @ Vector(place + radius * direction))
+    def tip(radius: float) -> window.Place:
+        return window.on_screen(
+            deformer().controls[0].object.matrix_world @ Vector(place + radius * direction)
+        )
 
     start, end = tip(before), tip(2.0 * before)
     move(*start)
@@ -244,9 +235,9 @@ def wire_by_stroke() -> Iterator[None]:
     bpy.context.view_layer.objects.active = head()
     before = shown()
     count = 0 if deformer() is None else len(deformer().controls)  # the undo may have taken the first
-    move(*on_screen((0.0, 0.0, 0.0)))
+    move(*window.on_screen((0.0, 0.0, 0.0)))
     yield from rest()
-    button("wire_draw")
+    window.button("wire_draw")
     yield from rest()
     yield from stroke(((9.0, 9.0), (9.1, 9.1)))  # beside the head: nothing
     yield from stroke(BROW)
@@ -263,7 +254,7 @@ def wire_by_stroke() -> Iterator[None]:
         for index, point in enumerate(wire.data.splines[0].bezier_points):
             point.select_control_point = point.select_left_handle = point.select_right_handle = index == 2
         yield from rest()
-        yield from raise_from(on_screen((-0.6, 0.0, 0.8)), 45)
+        yield from raise_from(window.on_screen((-0.6, 0.0, 0.8)), 45)
         above(moved(before), 0.05)
 
 
@@ -273,13 +264,13 @@ def vector_field() -> Iterator[None]:
     before = shown()
 
     def start(x: float) -> Iterator[None]:
-        move(*on_screen((x, 0.0, -0.1)))
+        move(*window.on_screen((x, 0.0, -0.1)))
         yield from rest()
-        button("tool_drag")
+        window.button("tool_drag")
         yield from rest()
 
     yield from start(0.0)
-    yield from keys("WHEELUPMOUSE", at=on_screen((0.02, 0.0, -0.1)))
+    yield from keys("WHEELUPMOUSE", at=window.on_screen((0.02, 0.0, -0.1)))
     yield from stroke(ASIDE)
     after, row = shown(), deformer().controls[0]
     with claim("a drag of a vector field stores its path"):
@@ -298,7 +289,7 @@ def vector_field() -> Iterator[None]:
         yield from undo()
         assert not head().sinew.deformers
         near(shown(), before, FLOAT32)
-        button("drag_start", mode="CLAY")
+        window.button("drag_start", mode="CLAY")
         yield from rest()
         yield from hold(polyline(ASIDE)[:10])
         above(moved(before), 0.05)

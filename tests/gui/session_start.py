@@ -8,6 +8,7 @@ import addon_utils
 import bpy
 import installed
 import numpy as np
+import window
 from driving import above, apart, claim, near, rest, run, settled, until
 from editing import edited, select, selection
 from expected import members_of
@@ -16,19 +17,6 @@ from inside import inner
 from mathutils import Vector
 from rigs.rig import base_points, curves_of
 from scenes import MODELS, empty_scene, shown
-from window import (
-    button,
-    differing,
-    in_view,
-    middle,
-    on_screen,
-    pictures,
-    pixels,
-    region,
-    screenshot,
-    view,
-    viewport,
-)
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)
@@ -62,26 +50,26 @@ def regions() -> list[tuple[str, str]]:
 
 def blank_file() -> Iterator[None]:
     """A new file, the model of a cow in place of the cube, seen from the side."""
-    yield from keys("ctrl N", "RET", at=middle())
+    yield from keys("ctrl N", "RET", at=window.middle())
     yield from keys("X", "RET")
     with claim("the new file has a cube, which X deletes"):
         assert [obj.name for obj in bpy.data.objects if obj.type == "MESH"] == []
     bpy.ops.wm.obj_import(filepath=str(MODELS / "spot.obj"))
-    with in_view():
+    with window.in_view():
         bpy.ops.object.shade_smooth()
     bpy.ops.ed.undo_push(message="Import")
     yield from keys("NUMPAD_3")
     yield from open_sidebar()
-    view().view_location, view().view_distance = (0.0, 0.51, 0.25), 2.65
+    window.view().view_location, window.view().view_distance = (0.0, 0.51, 0.25), 2.65
     yield from rest()
 
 
 def mark_regions() -> Iterator[None]:
     """The head by the header's menu, the hooves by the pie."""
-    yield from keys("TAB", "alt Z", "alt A", "B", at=middle())
+    yield from keys("TAB", "alt Z", "alt A", "B", at=window.middle())
     yield from drag(*HEAD)
     yield from rest()
-    screenshot("1-selected")
+    window.screenshot("1-selected")
     yield from click(*MENU)
     move(*MENU_ADD_HANDLE)
     yield from rest()
@@ -100,7 +88,7 @@ def mark_regions() -> Iterator[None]:
         assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["spot Handle"]
         assert "2,930 vertices, 1 handle, 1 still, " in deformer().status
         assert "bound in" in deformer().status
-    screenshot("3-ready")
+    window.screenshot("3-ready")
 
 
 def pose() -> Iterator[None]:
@@ -116,7 +104,7 @@ def pose() -> Iterator[None]:
         above(apart(shown(cow()), ready), 0.2)
         assert (shown(cow())[hooves] == ready[hooves]).all()
     moved = shown(cow())
-    screenshot("4-moved")
+    window.screenshot("4-moved")
     yield from keys("R", at=(600, 420))
     yield from glide([(610, 330), (590, 250)])
     press("LEFTMOUSE")
@@ -129,20 +117,20 @@ def pose() -> Iterator[None]:
         near(shown(cow()), moved, FLOAT32)
         yield from undo()
         near(shown(cow()), ready, FLOAT32)
-        screenshot("5-undone")
+        window.screenshot("5-undone")
         yield from redo()
         yield from redo()
         yield from settled()
         near(shown(cow()), turned, FLOAT32)
     with claim("the picture changes, and comes back"):
-        above(differing("4-moved", "3-ready"), 0.03)
-        assert differing("5-undone", "3-ready") < 0.002
+        above(window.differing("4-moved", "3-ready"), 0.03)
+        assert window.differing("5-undone", "3-ready") < 0.002
     with claim("the surface follows when the control is scaled"):
-        yield from keys("S", "1.25", "RET", at=middle())
+        yield from keys("S", "1.25", "RET", at=window.middle())
         yield from settled()
         above(apart(shown(cow()), turned), 0.05)
         assert np.allclose(control().scale, 1.25, rtol=1e-6)
-    screenshot("6-posed")
+    window.screenshot("6-posed")
 
 
 def settings() -> Iterator[None]:
@@ -150,7 +138,7 @@ def settings() -> Iterator[None]:
     with claim("another method from the pictures keeps the regions and shows at once"):
         yield from click(*METHOD)
         yield from rest(5)
-        screenshot("7-methods")
+        window.screenshot("7-methods")
         yield from click(*SOFT_SHEET)
         yield from settled()
         move(*FAR)  # which closes the popup
@@ -177,7 +165,7 @@ def animate() -> Iterator[None]:
     scene = bpy.context.scene
     posed, far, base = control().matrix_world.copy(), shown(cow()), base_points(cow())
     with claim("clearing the transform of a control brings the mesh to rest"):
-        yield from keys("alt G", "alt R", "alt S", at=middle())
+        yield from keys("alt G", "alt R", "alt S", at=window.middle())
         yield from settled()
         near(shown(cow()), base, FLOAT32)
     with claim("keyed controls animate the surface"):
@@ -186,7 +174,7 @@ def animate() -> Iterator[None]:
         scene.frame_end = LAST
         yield from keys("shift RIGHT_ARROW")
         control().matrix_world = posed
-        yield from keys("I", "RET", at=middle())
+        yield from keys("I", "RET", at=window.middle())
         keyed = {curve.data_path for curve in curves_of(control())}
         assert keyed == {"location", "rotation_euler", "scale"}
         assert scene.frame_current == LAST
@@ -231,10 +219,10 @@ def render() -> Iterator[None]:
             bpy.context.scene.frame_set(frame)
             yield
             before = shown(cow())
-            yield from keys("F12", at=middle())
+            yield from keys("F12", at=window.middle())
             yield from until(lambda frame=frame: frame in ended)
             yield from rest()
-            path = str(pictures[0] / f"rendered-{frame}.png")
+            path = str(window.pictures[0] / f"rendered-{frame}.png")
             bpy.data.images["Render Result"].save_render(path)
             assert (shown(cow()) == before).all()
 
@@ -248,7 +236,7 @@ def undo_all() -> Iterator[None]:
         steps += 1
     yield from rest()
     if cow().mode == "EDIT":
-        yield from keys("TAB", at=middle())
+        yield from keys("TAB", at=window.middle())
     with claim("undo leads back to the bare mesh"):
         assert not [*cow().sinew.deformers, *cow().modifiers, *cow().vertex_groups]
         assert not [obj for obj in bpy.data.objects if obj.type == "EMPTY"]
@@ -257,7 +245,7 @@ def undo_all() -> Iterator[None]:
 
 def grab_region() -> Iterator[None]:
     """A pose of the moment by key and number, undone; another one given up."""
-    yield from keys("TAB", at=middle())
+    yield from keys("TAB", at=window.middle())
     select(cow(), lambda point: point.y > 0.75)
     bpy.ops.ed.undo_push(message="Select")
     before, chosen = edited(cow()), selection(cow())
@@ -266,7 +254,7 @@ def grab_region() -> Iterator[None]:
         yield from keys("alt Y", at=HERE)
         yield from glide(way)
         above(apart(edited(cow()), before), 0.1)
-    screenshot("8-grab")
+    window.screenshot("8-grab")
     with claim("one undo takes a typed grab back, and Esc restores every bit"):
         yield from keys("X", "0.5", "RET")
         last = bpy.context.window_manager.operators[-1]
@@ -288,7 +276,7 @@ def journey() -> Iterator[None]:
 
 def preferences() -> Iterator[None]:
     """*Check This Installation* in the preferences of the add-on."""
-    area, name = viewport(), installed.name()
+    area, name = window.viewport(), installed.name()
     area.type = "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Sinew"
@@ -300,7 +288,7 @@ def preferences() -> Iterator[None]:
     yield from until(lambda: check().report != "")
     move(area.x + 20, area.y + 20)
     yield from rest(4)
-    screenshot("checked")
+    window.screenshot("checked")
     with claim("the button checks the installation and tells where the report lies"):
         found, report = check(), Path(check().report)
         text = report.read_text(encoding="utf-8")
@@ -314,9 +302,9 @@ def preferences() -> Iterator[None]:
 
 def sidebar(name: str) -> np.ndarray:
     """A screenshot of the sidebar."""
-    place = region("UI")
-    screenshot(name)
-    return pixels(name)[place.y : place.y + place.height, place.x : place.x + place.width]
+    place = window.region("UI")
+    window.screenshot(name)
+    return window.pixels(name)[place.y : place.y + place.height, place.x : place.x + place.width]
 
 
 def panel() -> Iterator[None]:
@@ -324,15 +312,15 @@ def panel() -> Iterator[None]:
     empty_scene()
     bpy.ops.mesh.primitive_monkey_add()
     yield from open_sidebar()
-    with in_view():
+    with window.in_view():
         bpy.ops.screen.screen_full_area()
     yield from rest(4)
-    with in_view():
+    with window.in_view():
         bpy.ops.sinew.deformer_add(method="mesh_sequence")
     rows = bpy.context.object.sinew.active.keys
     for frame in (1, 8, 128, 1024):  # frame 1 is the current one, so its row has another icon
         rows.add().frame = frame
-    place = region("UI")
+    place = window.region("UI")
     inside = place.x + place.width // 3, place.y + place.height // 3
     yield from keys(*["WHEELDOWNMOUSE"] * 15, at=inside)  # down to the end of the panel
     before = sidebar("1-keys")
@@ -353,19 +341,19 @@ def panel() -> Iterator[None]:
 def try_it() -> Iterator[None]:
     """A rig in a scene of its own, and back."""
     yield from open_sidebar()
-    looked = view().view_rotation.copy(), viewport().spaces.active.shading.color_type
-    button("try_it", rig="limb")
+    looked = window.view().view_rotation.copy(), window.viewport().spaces.active.shading.color_type
+    window.button("try_it", rig="limb")
     yield from settled()
     with claim("a rig stands in the middle of the view, and a drag on its tip ticks its first step"):
-        tip = on_screen((0.0, -0.2, 1.85))
+        tip = window.on_screen((0.0, -0.2, 1.85))
         yield from drag(tip, (tip[0] + 80, tip[1] - 30))
         yield from settled()
-        screenshot("try-it")
+        window.screenshot("try-it")
         assert inner.try_it.steps_done(bpy.context.window.scene) == 1
-    button("try_back")
+    window.button("try_back")
     yield from settled()
     with claim("Back to My Scene brings the view back, and the tool"):
-        assert looked == (view().view_rotation, viewport().spaces.active.shading.color_type)
+        assert looked == (window.view().view_rotation, window.viewport().spaces.active.shading.color_type)
         tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
         assert (tool.idname, bpy.context.window.scene.name) == ("builtin.select_box", "Scene")
 

@@ -2,23 +2,9 @@
 """Copies, deletions, new names, new orders, orphans, shared meshes."""
 
 import bpy
+import events
 import numpy as np
 import pytest
-from events import (
-    ALL,
-    MESHES,
-    REBIND,
-    REGIONS,
-    Event,
-    Table,
-    bind_restores,
-    duplicate,
-    every,
-    is_over,
-    keeps_its_shape,
-    lives_on,
-    says_rebind,
-)
 from expected import Expected
 from inside import catch_up, evaluated_by, inner, settle
 from mathutils import Matrix
@@ -26,14 +12,14 @@ from rigs import rig as scenes
 from rigs.kinds import HandleRig
 from test_event_scene import moves_though_hidden
 
-EVENTS = Table()
-EDITS = Table()  # each once with Automatic Rebind and once without
+EVENTS = events.Table()
+EDITS = events.Table()  # each once with Automatic Rebind and once without
 
 
 # --- copies
 
 
-@EVENTS.on(REGIONS)
+@EVENTS.on(events.REGIONS)
 def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     """In a window the copy is known as one until the pause. It takes its shape along to the other control."""
     scenes.make_active(rig.obj)
@@ -50,7 +36,7 @@ def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     assert np.abs(scenes.evaluated_points(copy)[rig.top, 2] - 0.75).max() < scenes.MATRIX
 
 
-@EVENTS.on(ALL, then=is_over)
+@EVENTS.on(events.ALL, then=events.is_over)
 def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) -> None:
     copy = rig.obj.copy()
     bpy.context.scene.collection.objects.link(copy)
@@ -61,9 +47,9 @@ def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) ->
         rig.lift_of(copy, 0.25)
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def a_copy_deleted(rig: HandleRig) -> None:
-    duplicate(rig, control=False)
+    events.duplicate(rig, control=False)
     bpy.ops.object.delete()
     bpy.ops.outliner.orphans_purge(do_recursive=True)
 
@@ -71,7 +57,7 @@ def a_copy_deleted(rig: HandleRig) -> None:
 # --- deletions
 
 
-@EVENTS.on(ALL, then=is_over)
+@EVENTS.on(events.ALL, then=events.is_over)
 def the_target_deleted(rig: HandleRig) -> None:
     """It leaves only orphans, which a purge takes."""
     name = rig.name
@@ -84,9 +70,9 @@ def the_target_deleted(rig: HandleRig) -> None:
         assert not getattr(bpy.data, kind), kind
 
 
-@EVENTS.on(ALL, then=keeps_its_shape)
+@EVENTS.on(events.ALL, then=events.keeps_its_shape)
 def the_control_deleted(rig: HandleRig) -> None:
-    copy = duplicate(rig)
+    copy = events.duplicate(rig)
     bpy.data.objects.remove(rig.control_of(copy))
     scenes.make_active(rig.control)
     bpy.ops.object.delete()
@@ -98,7 +84,7 @@ def the_control_deleted(rig: HandleRig) -> None:
             assert rig.control_is_missing(obj)
 
 
-@EVENTS.on(REGIONS, then=is_over)
+@EVENTS.on(events.REGIONS, then=events.is_over)
 def the_control_deleted_saved_and_replaced(rig: HandleRig) -> None:
     """The region stays where it was, and the new control moves it from there."""
     scenes.move_world(rig.control, Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.3, 4, "X"))
@@ -133,16 +119,16 @@ def test_the_pose_of_a_soft_region_without_control_is_saved(posed_plate: HandleR
     assert scenes.close(plate.points(), before, 1e-6)
 
 
-@EVENTS.on(ALL, then=is_over)
+@EVENTS.on(events.ALL, then=events.is_over)
 def one_of_two_targets_of_a_control_deleted(rig: HandleRig) -> None:
-    copy = duplicate(rig, control=False)
+    copy = events.duplicate(rig, control=False)
     bpy.data.objects.remove(rig.obj)
     for _ in range(2):
         assert rig.shows(rig.now(copy), copy, scenes.MATRIX)
         rig.lift_of(copy, 0.25)
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def its_hidden_shapes_deleted(rig: HandleRig) -> None:
     """By hand in the outliner's Blender File view: rest and an error at worst, and Bind restores them."""
     for which in ("proxy", "proxy_render"):
@@ -153,10 +139,10 @@ def its_hidden_shapes_deleted(rig: HandleRig) -> None:
             assert rig.is_right() or (rig.is_at_rest() and rig.deformer.status_level == "ERROR")
             rig.press("bind")
             assert len(rig.obj.modifiers) == 1
-            lives_on(rig)
+            events.lives_on(rig)
 
 
-@EVENTS.on(ALL, then=is_over)
+@EVENTS.on(events.ALL, then=events.is_over)
 def its_deformer_removed(rig: HandleRig) -> None:
     """Nothing of ours is left behind, and what is the user's stays."""
     groups, objects = list(rig.obj.vertex_groups.keys()), set(bpy.data.objects.keys())
@@ -172,7 +158,7 @@ def its_deformer_removed(rig: HandleRig) -> None:
     assert rig.is_at_rest()
 
 
-@EVENTS.on(ALL, then=is_over)
+@EVENTS.on(events.ALL, then=events.is_over)
 def unbound_with_its_control_active(rig: HandleRig) -> None:
     """Operators find the target from there."""
     scenes.press(rig.control, "unbind")
@@ -180,13 +166,13 @@ def unbound_with_its_control_active(rig: HandleRig) -> None:
     assert not rig.deformer.is_bound
 
 
-@EVENTS.on(ALL, then=bind_restores)
+@EVENTS.on(events.ALL, then=events.bind_restores)
 def its_rest_mesh_deleted(rig: HandleRig) -> None:
     bpy.data.meshes.remove(rig.deformer.rest)
     rig.obj.update_tag()
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def its_node_group_deleted(rig: HandleRig) -> None:
     bpy.data.node_groups.remove(rig.obj.modifiers[0].node_group)
     rig.obj.update_tag()
@@ -195,7 +181,7 @@ def its_node_group_deleted(rig: HandleRig) -> None:
     assert len([modifier for modifier in rig.obj.modifiers if modifier.node_group]) == 1
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def its_animation_cleared(rig: HandleRig) -> None:
     """The driver that keeps hidden controls evaluated lives there; it comes back."""
     rig.obj.animation_data_clear()
@@ -204,7 +190,7 @@ def its_animation_cleared(rig: HandleRig) -> None:
     rig.height = 0.25
 
 
-@EVENTS.on(REGIONS)
+@EVENTS.on(events.REGIONS)
 def its_control_exchanged(rig: HandleRig) -> None:
     """The new one is kept evaluated, too."""
     rig.lift_to(0.0)
@@ -218,7 +204,7 @@ def its_control_exchanged(rig: HandleRig) -> None:
 # --- new names, new orders
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def everything_renamed(rig: HandleRig) -> None:
     deformer, group = rig.deformer, rig.obj.modifiers[0].node_group
     renamed = [rig.obj, rig.obj.data, rig.control, deformer.proxy, deformer.proxy.data, deformer.proxy_render]
@@ -233,7 +219,7 @@ def everything_renamed(rig: HandleRig) -> None:
     assert len([group for group in bpy.data.node_groups if group.users]) == 1
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def names_exchanged_with_another_rig(rig: HandleRig) -> None:
     other = type(rig).new("Other").start()
     other.lift(0.25)
@@ -246,7 +232,7 @@ def names_exchanged_with_another_rig(rig: HandleRig) -> None:
     rig.name, other.name = "Other", name
     rig.lift(0.25)
     assert rig.is_right()
-    lives_on(other)
+    events.lives_on(other)
 
 
 def masks(rig: HandleRig, group: str) -> bool:
@@ -259,7 +245,7 @@ def masks(rig: HandleRig, group: str) -> bool:
     return seen
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def vertex_groups_renamed(rig: HandleRig) -> None:
     """The mask follows, the regions of handles and painted parameters, and a later bind."""
     rig.deformer.mask_group = "Top"
@@ -280,7 +266,7 @@ def vertex_groups_renamed(rig: HandleRig) -> None:
     assert masks(rig, "Head")
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def vertex_groups_in_another_order(rig: HandleRig) -> None:
     scenes.add_group(rig.obj, "A", lambda point: point[0] > 0.0)
     scenes.make_active(rig.obj)
@@ -320,7 +306,7 @@ def test_a_bone_renamed_exchanged_and_deleted(plate: scenes.Rig):
     assert plate.deformer.handles[0].control_missing
 
 
-@EVENTS.on(REGIONS, then=is_over)
+@EVENTS.on(events.REGIONS, then=events.is_over)
 def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
     """By the button, and by scripts."""
     deformers, control = rig.obj.sinew.deformers, rig.control
@@ -341,7 +327,7 @@ def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
 # --- joined and separated
 
 
-@EDITS.on(MESHES)
+@EDITS.on(events.MESHES)
 def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
     count, other = len(rig.rest()), scenes.grid_object("Other", cells=2)
     other.location, other.scale = (0.0, 0.0, 0.1), (0.2, 0.2, 0.2)
@@ -350,7 +336,7 @@ def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
     assert len(rig.rest()) == count + 9
 
 
-@EVENTS.on(MESHES, then=is_over)
+@EVENTS.on(events.MESHES, then=events.is_over)
 def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
     """It is gone, as anything joined; the other one lives on without a deformer."""
     count, other = len(rig.rest()), scenes.grid_object("Other", cells=2)
@@ -362,7 +348,7 @@ def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
     assert inner.owners.owners() == []
 
 
-@EVENTS.on(MESHES, then=is_over)
+@EVENTS.on(events.MESHES, then=events.is_over)
 def a_part_separated_from_the_target(rig: HandleRig) -> None:
     """Blender gives the part the modifiers and our settings as well: two rigs on two meshes."""
 
@@ -377,7 +363,7 @@ def a_part_separated_from_the_target(rig: HandleRig) -> None:
     part = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
     for obj in (rig.obj, part):
         assert rig.shows(rig.unmoved(obj), obj)
-        assert obj.sinew.deformers[0].status == REBIND
+        assert obj.sinew.deformers[0].status == events.REBIND
         scenes.press(obj, "bind")
     assert rig.deformer.proxy != part.sinew.deformers[0].proxy
     rig.lift(0.25)
@@ -390,7 +376,7 @@ def a_part_separated_from_the_target(rig: HandleRig) -> None:
 # --- orphans
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def orphans_purged(rig: HandleRig) -> None:
     """Nothing of a living rig goes, nor does a file lack it."""
     for _ in range(2):
@@ -401,11 +387,11 @@ def orphans_purged(rig: HandleRig) -> None:
     scenes.reopen(rig.folder / "rig.blend")
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def orphans_purged_after_a_rebind_of_another_size(rig: HandleRig) -> None:
     rig.change_topology()
     settle()
-    says_rebind(rig)
+    events.says_rebind(rig)
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]) == rig.hidden_meshes
 
@@ -418,7 +404,7 @@ def raise_one_vertex(mesh: bpy.types.Mesh) -> None:
     mesh.update()
 
 
-@EVENTS.on(MESHES, then=is_over)
+@EVENTS.on(events.MESHES, then=events.is_over)
 def its_mesh_shared_with_an_object_without_deformer(rig: HandleRig) -> None:
     """An edit of the mesh reaches both, on top of the pose."""
     twin = scenes.linked(bpy.data.objects.new("Twin", rig.obj.data))
@@ -432,10 +418,10 @@ def its_mesh_shared_with_an_object_without_deformer(rig: HandleRig) -> None:
     assert scenes.close(scenes.evaluated_points(twin), rig.rest())
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def made_single_user(rig: HandleRig) -> None:
     """Two rigs on one mesh; then each has its own, and the topology of one changes."""
-    copy = duplicate(rig, linked=True)
+    copy = events.duplicate(rig, linked=True)
     rig.lift_of(copy, 0.25)
     scenes.make_active(copy)
     bpy.ops.object.make_single_user(type="SELECTED_OBJECTS", object=True, obdata=True)
@@ -445,7 +431,7 @@ def made_single_user(rig: HandleRig) -> None:
     assert rig.shows(rig.unmoved(copy), copy)
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def another_mesh_put_in(rig: HandleRig) -> None:
     """Of the same size: its own shape is followed. Of another size: rest, until it is bound or gone again."""
     before, old, same = rig.rest(), rig.obj.data, rig.obj.data.copy()
@@ -454,7 +440,7 @@ def another_mesh_put_in(rig: HandleRig) -> None:
     assert rig.shows(rig.at(0.5) + rig.rest() - before)
     rig.obj.data = scenes.grid_object("Other", cells=5).data
     assert rig.is_at_rest()
-    assert rig.deformer.status == REBIND
+    assert rig.deformer.status == events.REBIND
     rig.obj.data = old
     assert rig.is_right()
 
@@ -462,12 +448,12 @@ def another_mesh_put_in(rig: HandleRig) -> None:
 # --- each of them
 
 
-@every(EVENTS)
-def test_a_rig_lives_through(posed: HandleRig, event: Event):
+@events.every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: events.Event):
     event.run(posed)
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-@every(EDITS)
-def test_other_vertices_are_noticed(posed: HandleRig, event: Event, automatic: bool):
+@events.every(EDITS)
+def test_other_vertices_are_noticed(posed: HandleRig, event: events.Event, automatic: bool):
     event.edit(posed, automatic)

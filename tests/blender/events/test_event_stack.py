@@ -4,21 +4,9 @@
 from collections.abc import Callable
 
 import bpy
+import events
 import numpy as np
 import pytest
-from events import (
-    ALL,
-    MESHES,
-    REBIND,
-    REGIONS,
-    Event,
-    Table,
-    bind_restores,
-    every,
-    is_over,
-    rebinds_by_itself,
-    says_rebind,
-)
 from expected import Expected
 from inside import notes_of, settle
 from mathutils import Matrix
@@ -26,7 +14,7 @@ from probe import render_points
 from rigs import rig as scenes
 from rigs.kinds import HandleRig
 
-EVENTS = Table()
+EVENTS = events.Table()
 Add = Callable[[bpy.types.Object], bpy.types.Modifier]
 
 
@@ -84,7 +72,7 @@ def apply(rig: scenes.Rig, name: str) -> None:
 # --- Blender's modifiers
 
 
-@EVENTS.on(REGIONS)
+@EVENTS.on(events.REGIONS)
 def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
     """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
     rig.press("unbind")
@@ -101,7 +89,7 @@ def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
     assert scenes.close(rig.rest(), twisted)
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def a_constructive_modifier_added_after_ours_and_removed(rig: HandleRig) -> None:
     for add in (subdivision, array, solidify):
         modifier = add(rig.obj)
@@ -120,12 +108,12 @@ def is_noticed(rig: HandleRig, automatic: bool, resting: np.ndarray) -> None:
     settle()
     if not automatic:
         assert rig.shows(resting)
-        assert rig.deformer.status == REBIND
+        assert rig.deformer.status == events.REBIND
         rig.press("bind")
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-@pytest.mark.parametrize("rig", MESHES, indirect=True)
+@pytest.mark.parametrize("rig", events.MESHES, indirect=True)
 @pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
 def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, automatic: bool):
     """And so when it goes."""
@@ -147,7 +135,7 @@ def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, aut
         assert posed.shows(posed.poses.warp(entering) + (0.0, 0.0, 0.5), tolerance=1e-5)
     posed.obj.modifiers.remove(posed.obj.modifiers[0])
     settle()
-    (rebinds_by_itself if automatic else says_rebind)(posed)
+    (events.rebinds_by_itself if automatic else events.says_rebind)(posed)
 
 
 @pytest.mark.parametrize("automatic", [False, True])
@@ -159,10 +147,10 @@ def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, auto
     apply(posed_plate, "Subdivision")
     assert len(posed_plate.rest()) > 400
     is_noticed(posed_plate, automatic, posed_plate.rest())
-    rebinds_by_itself(posed_plate)
+    events.rebinds_by_itself(posed_plate)
 
 
-@EVENTS.on(REGIONS)
+@EVENTS.on(events.REGIONS)
 def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
     obj, entering = rig.obj, rig.rest()
     wave = scenes.add_key(obj, "Wave", scenes.slope(0.2))
@@ -174,7 +162,7 @@ def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
     obj.shape_key_clear()
 
 
-@EVENTS.on(MESHES, then=is_over)
+@EVENTS.on(events.MESHES, then=events.is_over)
 def an_armature_added_before_it(rig: HandleRig) -> None:
     """The skin comes after the pose: the deformer then works on what the bones give it."""
     armature = scenes.add_armature(rig.obj)
@@ -245,7 +233,7 @@ def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: scenes.Ri
 # --- ours, by Blender's own buttons
 
 
-@EVENTS.on(ALL)
+@EVENTS.on(events.ALL)
 def ours_muted_and_shown(rig: HandleRig) -> None:
     modifier = rig.obj.modifiers[0]
     modifier.show_viewport = False
@@ -260,7 +248,7 @@ def ours_muted_and_shown(rig: HandleRig) -> None:
     modifier.show_render = True
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def ours_copied(rig: HandleRig) -> None:
     """Two modifiers show one shape: the pose is seen once, not twice."""
     scenes.make_active(rig.obj)
@@ -272,7 +260,7 @@ def ours_copied(rig: HandleRig) -> None:
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 
-@EVENTS.on(MESHES, then=is_over)
+@EVENTS.on(events.MESHES, then=events.is_over)
 def ours_applied(rig: HandleRig) -> None:
     """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
     apply(rig, rig.obj.modifiers[0].name)
@@ -286,13 +274,13 @@ def ours_applied(rig: HandleRig) -> None:
     assert rig.shows(shape)
 
 
-@EVENTS.on(ALL, then=bind_restores)
+@EVENTS.on(events.ALL, then=events.bind_restores)
 def ours_removed(rig: HandleRig) -> None:
     scenes.make_active(rig.obj)
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def ours_copied_to_another_object(rig: HandleRig) -> None:
     """It shows the shape as a mirror does; the rig stays one."""
     other = scenes.linked(bpy.data.objects.new("Other", rig.obj.data.copy()))
@@ -305,7 +293,7 @@ def ours_copied_to_another_object(rig: HandleRig) -> None:
     bpy.data.objects.remove(other)
 
 
-@EVENTS.on(MESHES, then=is_over)
+@EVENTS.on(events.MESHES, then=events.is_over)
 def converted_to_a_mesh(rig: HandleRig) -> None:
     subdivision(rig.obj)
     smooth = by_blender(rig, rig.at(0.5), subdivision)
@@ -356,7 +344,7 @@ def test_the_second_follows_at_once_where_the_first_lets_go(plate: scenes.Rig, m
     assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
 
 
-@EVENTS.on(MESHES)
+@EVENTS.on(events.MESHES)
 def given_deformers_without_regions_between(rig: HandleRig) -> None:
     """What they let through reaches the next at once."""
     for _ in range(2):
@@ -377,6 +365,6 @@ def given_deformers_without_regions_between(rig: HandleRig) -> None:
 # --- each of them
 
 
-@every(EVENTS)
-def test_a_rig_lives_through(posed: HandleRig, event: Event):
+@events.every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: events.Event):
     event.run(posed)
