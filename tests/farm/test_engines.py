@@ -113,6 +113,16 @@ def test_the_template_of_openjd_is_valid_and_bakes(shot: Path, tmp_path: Path) -
     assert "openjd_fail: " in said(OPENJD, "run", *words, "-p", "Objects=Nobody", code=1)
 
 
+def test_chunks_of_an_older_processor_say_so_and_are_not_mixed_unasked(shot: Path, tmp_path: Path) -> None:
+    for program, frames in ((["qemu-x86_64-static", "-cpu", "Nehalem"], "1-2"), ([], "3-4")):
+        said(*program, *BLENDER, "bake", shot, *WORDS, tmp_path, "--frames", frames)
+    kernels = [json.loads(file.read_text())["kernels"] for file in sorted(tmp_path.glob("chunks/*.json"))]
+    assert kernels[0] == "sse4.2" != kernels[1]
+    join = [*BLENDER, "join", tmp_path, *WORDS, tmp_path, "--frames", "1-4"]
+    assert "kernels sse4.2" in said(*join, code=5)
+    said(*join, "--mixed")
+
+
 def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     words = ["--workers", 2, "--blender", " ".join(BLENDER), *WORDS, tmp_path, "--objects", "Nobody"]
     assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4

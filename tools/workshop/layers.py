@@ -106,7 +106,6 @@ def source(timeout: float) -> Outcome:
         "CC": "gcc",
         "CXX": "g++",
         "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
-        "CCACHE_DIR": BUILD / "ccache",
         "CCACHE_BASEDIR": unpacked,
         "CCACHE_NOHASHDIR": "1",
         "CCACHE_SLOPPINESS": "pch_defines,time_macros",
@@ -140,7 +139,7 @@ def benchmarks(timeout: float) -> Outcome:
 
 def farm(timeout: float) -> Outcome:
     """Bakes of the installed extension in many processes, some of which are killed; sweeps of the module."""
-    debian.install(debian.NODE)
+    debian.install(debian.NODE, debian.QEMU)
     build_tree("dev", "sinew_native")
     blender, junit = environments.newest_blender().make(), new_junit("farm")
     env = blenders.install_extension(blender, "farm")

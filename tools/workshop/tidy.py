@@ -5,11 +5,12 @@ Kernels, which are compiled once for each set of instructions, are read as compi
 that are compiled as one are also read as one, and others that have the same options some at a time, so that
 the headers of others, which take most of the time, are read once.
 
-For each source that passed, an empty file is kept beside the files of ccache. Its name is a digest of the
+For each source that passed, an empty file is kept for all clones of this user. Its name is a digest of the
 compile command, the settings, and the source with all files of this repository that it includes.
 """
 
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -26,7 +27,7 @@ from .places import BUILD, NATIVE_TREE, ROOT
 from .shell import fingerprint, git, jobs, must, said, say
 
 AT_A_TIME = 5
-PASSED = BUILD / "ccache" / "tidy"
+PASSED = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sinew" / "tidy"
 SETTINGS = (ROOT / ".clang-tidy", environments.REQUIREMENTS / "dev.txt", Path(__file__))
 Batch = tuple[tuple[str, ...], list[Path]]
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)

@@ -8,15 +8,13 @@ from . import environments
 from .cross_libraries import System
 from .environments import Environment
 from .places import BUILD, PYTHON311, ROOT
-from .shell import one_at_a_time
+from .shell import fingerprint, one_at_a_time
 
 ENVIRONMENT = Environment("zig", PYTHON311, ("zig",))
 PACKAGE = ENVIRONMENT.folder / "lib" / "python3.11" / "site-packages" / "ziglang"
 REQUIREMENTS = environments.REQUIREMENTS / "zig.txt"
-LAUNCHER = "env;CCACHE_COMPILERCHECK=content;ccache"  # zig itself keeps no objects for CMake
 PROGRAM = """#!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# {pinned}, which ccache reads here
 export ZIG_GLOBAL_CACHE_DIR={cache} ZIG_LOCAL_CACHE_DIR={cache}
 exec {zig} {words} "$@"
 """
@@ -25,9 +23,10 @@ exec {zig} {words} "$@"
 def system(name: str, title: str, target: str) -> System:
     """A system that zig compiles for; ``target`` is zig's word for it."""
     folder = BUILD / name / "zig"
+    launcher = f"env;CCACHE_COMPILERCHECK=string:{fingerprint([REQUIREMENTS], options(target, '.'))};ccache"
     tools = {"C_COMPILER": "cc", "CXX_COMPILER": "c++", "AR": "ar", "RANLIB": "ranlib"}
     settings = (
-        *(f"-DCMAKE_{language}_COMPILER_LAUNCHER={LAUNCHER}" for language in ("C", "CXX")),
+        *(f"-DCMAKE_{language}_COMPILER_LAUNCHER={launcher}" for language in ("C", "CXX")),
         *(f"-DCMAKE_{variable}={folder / tool}" for variable, tool in tools.items()),
         "-DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY",
         "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON",
@@ -41,18 +40,23 @@ def system(name: str, title: str, target: str) -> System:
     return System(name, title, partial(make_tools, folder, target), settings, (REQUIREMENTS, Path(__file__)))
 
 
+def options(target: str, root: str) -> str:
+    """Those of the compilers. Binaries hold no names of this machine's folders, nor what debuggers read.
+
+    Without -O, where CMake only tries the compiler, zig would compile another libc++, which takes minutes.
+    """
+    return f"-target {target} -O3 -s -ffile-prefix-map={root}=."
+
+
 @one_at_a_time()
 def make_tools(folder: Path, target: str) -> None:
     """Makes zig's compilers, ar and ranlib into programs of their own, as CMake wants them."""
     ENVIRONMENT.make()
     folder.mkdir(parents=True, exist_ok=True)
-    # No names of this machine's folders in binaries, nor what debuggers read. Without -O, where CMake only
-    # tries the compiler, zig would compile another libc++, which takes minutes.
-    options = f"-target {target} -O3 -s -ffile-prefix-map={ROOT}=."
-    pinned = REQUIREMENTS.read_text(encoding="utf-8").splitlines()[-1]
-    for tool, words in {"cc": options, "c++": options, "ar": "", "ranlib": ""}.items():
+    compiles = options(target, str(ROOT))
+    for tool, words in {"cc": compiles, "c++": compiles, "ar": "", "ranlib": ""}.items():
         words = f"{tool} {words}".strip()
-        text = PROGRAM.format(pinned=pinned, cache=BUILD / "zig-cache", zig=PACKAGE / "zig", words=words)
+        text = PROGRAM.format(cache=BUILD / "zig-cache", zig=PACKAGE / "zig", words=words)
         program = folder / tool
         if not program.is_file() or program.read_text(encoding="utf-8") != text:
             program.write_text(text, encoding="utf-8")
