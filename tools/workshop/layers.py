@@ -228,7 +228,7 @@ Alone = partial(Layer, one_process=True)
 LAYERS = (
     Layer("lint", 420, lint),
     Layer("native", 300, native),
-    Layer("sanitizers", 1200, sanitizers),
+    Layer("sanitizers", 1200, sanitizers, only_by_name=True),
     Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Alone("architecture", 60, _of(_pytest, "architecture")),
     Alone("tools", 480, _of(in_python, "tools")),
