@@ -329,18 +329,19 @@ def test_a_hostile_value_gives_a_status_and_nothing_worse(posed: Rig, tmp_path: 
 
 
 def test_a_hundred_thousand_handles_stay_responsive(posed_plate: HandleRig):
-    posed = posed_plate
-    handles = posed.deformer.handles
-    for _ in range(100_000):
-        handles.add()
-    posed.obj.update_tag()
-    start = time.process_time()
-    update()
-    assert posed.deformer.status_level == "INFO"  # they have no vertices, and the others go on
-    for step in range(3):
-        posed.control.location.z = 0.1 * step
+    posed, seconds = posed_plate, []
+    for _half in range(2):
+        for _ in range(50_000):
+            posed.deformer.handles.add()
+        posed.obj.update_tag()
+        start = time.process_time()
         update()
-    assert time.process_time() - start < 30.0  # seconds of one core; two on an idle one
+        assert posed.deformer.status_level == "INFO"  # they have no vertices, and the others go on
+        for step in range(3):
+            posed.control.location.z = 0.1 * step
+            update()
+        seconds.append(time.process_time() - start)
+    assert seconds[1] < 3 * seconds[0]  # each handle takes the same time, on any processor
     assert posed.shows(posed.at(0.2))
     notes = inner.status.notes(posed.deformer.uid)
     assert [line.text for line in notes][3:] == ["99,997 more regions are not used"]
