@@ -4,6 +4,7 @@
 #include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/handles/system_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -233,11 +234,12 @@ LinearResponse ConstrainedSystem::respond(const MatrixX& constraints) const
     return response;
 }
 
-void ConstrainedSystem::report(BindReport& report) const
+void ConstrainedSystem::report(BindReport& report, const std::string& why) const
 {
     report.factorizations = factorizations_;
     if (grid_) {
         report.factor_bytes = grid_->bytes();
+        report.remarks.push_back(iteration_remark(grid_->levels(), grid_->bytes(), why));
         return;
     }
     const SpdFactor& factor = equations_.factor();

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace sinew {
@@ -65,7 +66,6 @@ public:
     void iterate(LinearSystem system, const Regions& regions, const Progress& progress,
                  const std::function<void()>& completed = {});
     bool iterates() const { return grid_ != nullptr; }
-    const MultigridSolver& grid() const { return *grid_; }
 
     /// Fills b (n, 3) and returns c.
     using Source = std::function<double(RowMatrix& b)>;
@@ -91,8 +91,9 @@ public:
 
     /// (n, n) A of the last factorize(), with the soft pulls on its diagonal.
     const SparseMatrix& matrix() const { return *equations_.problem().matrix; }
-    /// Completes the counts of factorisations and the memory in a report.
-    void report(BindReport& report) const;
+    /// Completes the counts of factorisations, the memory and the remarks in a report.
+    /// \param why  of bind_by(), see handles/system_solver.h.
+    void report(BindReport& report, const std::string& why = {}) const;
 
 private:
     /// The workspace of a frame. Rows of d that are neither given nor solved for stay zero, and so do rows of
