@@ -73,6 +73,7 @@ public:
     /// \param[out] positions  (n, 3) the shape that enters, displaced.
     /// \param source          null for b = 0 and c = 0, and then in all calls.
     /// \throw NotConverged, Cancelled  after iterate().
+    /// \throw InvalidOption  after iterate(), where a SolvedSystem is to keep the matrix.
     SolveReport solve(const Targets& targets, Points& positions, const Source& source = {},
                       const Iterating& how = {}) const;
 
@@ -81,12 +82,14 @@ public:
 
     /// (n, m) d with b = 0 for m columns of constraint values.
     /// \param constraints  (c, m) one row for each of regions.constraints().
-    /// \throw InvalidConstraint  before the first factorize().
-    /// \throw InvalidOption      after iterate().
-    RowMatrix spread(const MatrixX& constraints) const;
+    /// \throw InvalidConstraint        before the first factorize().
+    /// \throw NotConverged, Cancelled  after iterate().
+    RowMatrix spread(const MatrixX& constraints, const Progress& progress = {}) const;
     /// (n, m) d for m columns of b, where held vertices stay and nothing pulls. Rows of b that are no
     /// unknowns are not read.
-    RowMatrix answer(const RowMatrix& b) const;
+    /// \throw as spread()
+    RowMatrix answer(const RowMatrix& b, const Progress& progress = {}) const;
+    /// \throw InvalidOption  after iterate().
     LinearResponse respond(const MatrixX& constraints) const;
 
     /// (n, n) A of the last factorize(), with the soft pulls on its diagonal.
@@ -109,7 +112,8 @@ private:
     {
         return stiffness_[row + stiffness_.size() - constraints_.size()];
     }
-    RowMatrix spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const;
+    RowMatrix spread(const MatrixX& constraints, std::optional<RowMatrix>& b, const Progress& progress) const;
+    void solve(RowMatrix& d, const RowMatrix* b, const Progress& progress) const;
     void solve(const Targets& targets, Points& positions, const Source& source, SolveReport* report,
                const Iterating& how) const;
 

@@ -36,6 +36,17 @@ def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) 
     ).described("Take the handles from rest to their poses in so many steps; " + which)
 
 
+def _solver(iterations: str) -> Choice:
+    solvers = items(
+        automatic="Iterates only where the factor needs more memory than the limit, or the computer, has",
+        factor="Computes a factor at bind, after which frames are quick",
+        multigrid=("Iterations", iterations),
+    )
+    return Choice("solver", "Solver", "automatic", solvers, advanced=True).described(
+        "Set how millions of vertices are solved for, where memory or the time of a bind is short"
+    )
+
+
 def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     return factorising(0.7 if options["transforms"] == "implicit" else 0.05)(points, size, options)
 
@@ -64,12 +75,6 @@ _TRANSFORMS = items(
 _SECOND_STAGES = items(
     polar=("Rotation", "Turns the details, each by the rotation nearest to its transformation"),
     length="Transforms the details and restores their lengths",
-)
-
-_SOLVERS = items(
-    automatic="Iterates only where the factor needs more memory than the limit, or the computer, has",
-    factor="Computes a factor at bind, after which frames are quick",
-    multigrid=("Iterations", "Takes a fifth of the memory and binds quickly, but frames are slow"),
 )
 
 _COARSENINGS = items(
@@ -123,9 +128,7 @@ ROWS = (
             ),
             laplacian(),
             _substeps("more steps keep twists from collapsing, and a frame takes as many binds"),
-            Choice("solver", "Solver", "automatic", _SOLVERS, advanced=True).described(
-                "Set how millions of vertices are solved for, where memory is short"
-            ),
+            _solver("Takes a fifth of the memory and binds quickly, but frames are slow"),
         ),
     ),
     Method(
@@ -136,14 +139,14 @@ ROWS = (
         search="twist turn poisson gradient",
         family=Family.SURFACE_LINEAR,
         section="4.5.1",
-        paper="Yu et al. 2004, Zayer et al. 2005",
+        paper="Yu et al. 2004, Zayer et al. 2005, Shi et al. 2006",
         summary="Spreads the turn of a handle evenly; handles have to turn, not only move",
         fails="Shears the surface beside handles that only move",
         picture="gallery: cylinder",
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.AFFINE_MAPS,
         main=("field",),
-        parameters=(FIELD,),
+        parameters=(FIELD, _solver("Binds in less time, but frames are slow")),
     ),
     Method(
         id="rotation_invariant_coordinates",

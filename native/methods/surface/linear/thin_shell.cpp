@@ -2,6 +2,7 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
+#include "native/core/progress_part.h"
 #include "native/operators/painted.h"
 #include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"
@@ -183,7 +184,8 @@ struct ThinShell::Impl
             });
         system.points = rest.points();
         progress.tick(0.2, "building the multigrid");
-        bound.system.iterate(std::move(system), regions, progress, [&] { progress.tick(1.0, "bound"); });
+        bound.system.iterate(std::move(system), regions, part_of(progress, 0.2, 1.0),
+                             [&] { progress.tick(1.0, "bound"); });
         bound.basis.reset();
     }
 
@@ -286,8 +288,6 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
         return bound.basis->solve(request.poses, positions, !idle_parts_ride());
 
     SolvedSystem* const solved = SolvedSystem::of_thread();
-    if (solved && bound.system.iterates())
-        throw InvalidOption("solver: the multigrid has no matrix; choose the factor");
     const SolveReport report =
         bound.system.solve(targets, positions, {}, {.start = request.start, .progress = request.progress});
     if (solved)
