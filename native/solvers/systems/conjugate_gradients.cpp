@@ -125,14 +125,18 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
             if (stop.together) {
                 wanted = wanted.maxCoeff();
                 const double share = found.maxCoeff() / wanted[0] * stop.tolerance / first;
-                if (done.count > 0)
-                    found /= std::max(1 - std::pow(share, 1.0 / done.count), slowest);
+                if (done.count > 0) {
+                    const double rate = std::min(std::pow(share, 1.0 / done.count), 1.0);
+                    found *= rate / std::max(1 - rate, slowest);
+                }
             }
         }
         const auto busy = (load > 0) && (found > wanted);
         done.reached = (load > 0).select(found / wanted.max(1e-300), 0.0).maxCoeff() * stop.tolerance;
         if (!busy.any()) {
             done.converged = true;
+            if (stop.together && done.count > 0)
+                parallel_for(n, [&](int i) { x[i] += z[i]; }, grain);
             break;
         }
         if ((busy && after.first < 0).any())
