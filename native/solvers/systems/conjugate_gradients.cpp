@@ -24,6 +24,8 @@ using Eigen::Array4d;
 constexpr int grain = 2048;
 constexpr double singular = 1e-14; ///< a smallest eigenvalue below this share of the largest is rounding
 constexpr double slowest = 0.02;   ///< what an error loses in a step where it hardly shrinks
+constexpr double cautious =
+    4; ///< as many times what the last correction leaves of the error, by what others left
 constexpr double endless = 1e8;    ///< growth of what the tolerance is compared with
 
 /// Two sums and a largest value over the unknowns, by columns.
@@ -126,8 +128,8 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
                 wanted = wanted.maxCoeff();
                 const double share = found.maxCoeff() / wanted[0] * stop.tolerance / first;
                 if (done.count > 0) {
-                    const double rate = std::min(std::pow(share, 1.0 / done.count), 1.0);
-                    found *= rate / std::max(1 - rate, slowest);
+                    const double rate = std::pow(share, 1.0 / done.count);
+                    found *= std::min(cautious * rate, 1.0) / std::max(1 - rate, slowest);
                 }
             }
         }

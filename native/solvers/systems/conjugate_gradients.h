@@ -28,7 +28,7 @@ struct Stop
     /// B that is very close to A^-1.
     bool by_error = false;
     /// Whether the errors of all columns are compared with the largest x of all, and count as much as all steps to come,
-    /// which shrink as those before did. The last B r is added to x, and does not count.
+    /// which shrink as those before did. The last B r is added to x.
     bool together = false;
 };
 

@@ -238,6 +238,10 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
                     "the multigrid stalls on this mesh: after " + std::to_string(solution.iterations) +
                     " iterations its error is not below 5e-5 of the move; choose the factor, or "
                     "repair or remesh the surface");
+            if (hierarchy.order == 1) { // rounding makes no other solution of it
+                find_residual();
+                break;
+            }
             stop.tolerance = restarted * tolerance;
         }
         const Wide left = size_of(r);
