@@ -55,8 +55,10 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
         return made(
             n_workers=size.workers,
             threads_per_worker=1,
-            dashboard_address=dashboard,
+            processes=False,
+            protocol="tcp://",
             host="127.0.0.1",
+            dashboard_address=dashboard,
             silence_logs=logging.ERROR,
             **limits,
         )
