@@ -127,6 +127,12 @@ def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     words = ["--workers", 2, "--blender", " ".join(BLENDER), *WORDS, tmp_path, "--objects", "Nobody"]
     assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4
     assert not list(tmp_path.glob("**/*.*"))
+    bakes = tmp_path / "bakes"  # for ever, but for the first frames, which are refused
+    bakes.write_text(
+        '#!/bin/sh\ncase "$*" in *--version) echo Blender 4.2;; *" 1-"*) exit 3;; *) sleep 9999; esac'
+    )
+    bakes.chmod(0o755)
+    said(*FARM, "dask", shot, *words[:2], "--blender", bakes, *WORDS, tmp_path, code=3)
 
 
 def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path) -> None:
