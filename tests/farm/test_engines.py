@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from signal import SIGSEGV
 
+import numpy as np
 import psutil
 import pytest
 
@@ -133,6 +134,21 @@ def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     )
     bakes.chmod(0o755)
     said(*FARM, "dask", shot, *words[:2], "--blender", bakes, *WORDS, tmp_path, code=3)
+
+
+@pytest.mark.skipif("SINEW_LONG_TESTS" not in os.environ, reason="it takes gigabytes, and minutes")
+@pytest.mark.parametrize("side", [2236, 3163])
+def test_millions_of_vertices_are_posed_and_baked(side: int, tmp_path: Path) -> None:
+    shot = tmp_path / "shot.blend"
+    said(BLENDER[0], HERE / "make_shot.py", shot, side, "multigrid")
+    print(said(*BLENDER, "bake", shot, *WORDS, tmp_path, "--frames", "120-121"))
+    said(*BLENDER, "join", tmp_path, *WORDS, tmp_path, "--frames", "120-121")
+    heights = np.fromfile(tmp_path / "Body.pc2", "<f4", offset=32).reshape(2, side, side, 3)[..., 2]
+    assert np.ptp(heights, axis=2).max() < 1e-4  # no strip along the handles bends
+    assert (
+        np.diff(heights.mean(axis=2), axis=1) > -1e-6
+    ).all()  # and all rise, from the fixed one to the handle
+    assert (heights[:, 0] == 0).all() and (heights[:, -1] > 0.1).all()
 
 
 def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path) -> None:
