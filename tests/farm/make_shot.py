@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""In a Blender with Sinew: ``make_shot.py FILE SIDE [SOLVER]`` saves a sheet of SIDE x SIDE vertices that moves.
+"""In a Blender with Sinew: ``make_shot.py FILE SIDE [SOLVER]`` saves a sheet of vertices that moves.
 
 Three deformers move the sheet, or a thin shell with a solver of its own.
 """

@@ -145,10 +145,8 @@ def test_millions_of_vertices_are_posed_and_baked(side: int, tmp_path: Path) -> 
     said(*BLENDER, "join", tmp_path, *WORDS, tmp_path, "--frames", "120-121")
     heights = np.fromfile(tmp_path / "Body.pc2", "<f4", offset=32).reshape(2, side, side, 3)[..., 2]
     assert np.ptp(heights, axis=2).max() < 1e-4  # no strip along the handles bends
-    assert (
-        np.diff(heights.mean(axis=2), axis=1) > -1e-6
-    ).all()  # and all rise, from the fixed one to the handle
-    assert (heights[:, 0] == 0).all() and (heights[:, -1] > 0.1).all()
+    assert np.diff(heights.mean(axis=2), axis=1).min() > -1e-6  # from the fixed one to the handle all rise
+    assert np.ptp(heights[:, 0]) == 0 < heights[:, -1].min()
 
 
 def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path) -> None:
