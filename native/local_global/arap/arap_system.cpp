@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/core/space/space_order.h"
-#include "native/local_global/arap/graph_iteration.h"
+#include "native/local_global/graph/graph_iteration.h"
 
 #include <algorithm>
 #include <numeric>
@@ -246,7 +246,24 @@ ArapSystem& ArapSystem::operator=(ArapSystem&&) noexcept = default;
 
 void ArapSystem::iterate(const Points& rest, const ClusterMap& map, const ArapSystem& coarse)
 {
-    iteration_ = std::make_unique<const GraphIteration>(*this, rest, map, coarse);
+    std::vector<GraphMatrix> matrices(is_smooth() ? 2 : 1);
+    GraphMatrix& positions = matrices.front();
+    positions = {free_count(), laplacian_, 1.0, std::vector<double>(free_count(), 0.0),
+                 &coarse.position_factor()};
+    for (const GraphPull& pull : nodes_.pulls())
+        positions.own[pull.node] += pull.stiffness;
+    if (is_smooth()) {
+        const GraphEdges& edges = nodes_.edges();
+        if (cells_.rims) {
+            turning_ = edges.weights;
+            for (int i = 0; i < size(); ++i)
+                for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a)
+                    turning_[a] *= cells_.edge_rigidity(i, edges.neighbours[a]);
+        }
+        matrices.back() = {size(), cells_.rims ? turning_ : laplacian_, 4 * cells_.smoothing,
+                           cells_.moments(edges, rest), &coarse.rotation_factor()};
+    }
+    iteration_ = std::make_unique<const GraphIteration>(nodes_.edges(), map, std::move(matrices));
 }
 
 std::int64_t ArapSystem::factor_bytes() const
@@ -257,7 +274,7 @@ std::int64_t ArapSystem::factor_bytes() const
 void ArapSystem::solve_positions(const Points& b, Points& x, double error, const Progress& progress) const
 {
     if (iteration_)
-        iteration_->solve_positions(b, x, error, progress);
+        iteration_->solve(0, b, x, error, progress);
     else
         position_factor_.solve(b, x);
 }
@@ -265,7 +282,7 @@ void ArapSystem::solve_positions(const Points& b, Points& x, double error, const
 void ArapSystem::solve_rotations(const Points& b, Points& x, double error, const Progress& progress) const
 {
     if (iteration_)
-        iteration_->solve_rotations(b, x, error, progress);
+        iteration_->solve(1, b, x, error, progress);
     else
         rotation_factor_.solve(b, x);
 }

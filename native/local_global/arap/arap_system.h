@@ -118,6 +118,8 @@ private:
     double rest_scale_;
     std::vector<int> order_;
     GraphChunks chunks_;
+    std::vector<double>
+        turning_; ///< (edges) r_ij w_ij, only after iterate() with rims; else those are laplacian()
     std::unique_ptr<const GraphIteration> iteration_; ///< after iterate()
 };
 

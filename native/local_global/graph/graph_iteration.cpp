@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/local_global/arap/graph_iteration.h"
+#include "native/local_global/graph/graph_iteration.h"
 
 #include "native/core/parallel.h"
-#include "native/local_global/arap/arap_system.h"
 #include "native/solvers/systems/not_converged.h"
 
 #include <algorithm>
@@ -26,14 +25,13 @@ constexpr int grain = 1024;
 
 } // namespace
 
-GraphIteration::GraphIteration(const ArapSystem& fine, const Points& rest, const ClusterMap& map,
-                               const ArapSystem& coarse)
-    : edges_(fine.nodes().edges()), map_(map)
+GraphIteration::GraphIteration(const GraphEdges& edges, const ClusterMap& map,
+                               std::vector<GraphMatrix> matrices)
+    : edges_(edges), map_(map)
 {
-    const int nodes = fine.size();
     first_link_.assign(map.cluster_count() + 1, 0);
     const auto for_each = [&](auto&& body) {
-        for (int i = 0; i < nodes; ++i) {
+        for (int i = 0; i < edges.size(); ++i) {
             const ClusterMap::Shares shares = map.shares(i);
             for (int k = 0; k < shares.count; ++k)
                 body(i, shares.clusters[k], static_cast<float>(shares.weights[k]));
@@ -45,43 +43,17 @@ GraphIteration::GraphIteration(const ArapSystem& fine, const Points& rest, const
     std::vector<int> next(first_link_.begin(), first_link_.end() - 1);
     for_each([&](int i, int p, float share) { links_[next[p]++] = {i, share}; });
 
-    positions_.rows = fine.free_count();
-    positions_.coarse_rows = coarse.free_count();
-    positions_.entries = &fine.laplacian();
-    positions_.own.assign(positions_.rows, 0.0);
-    for (const GraphPull& pull : fine.nodes().pulls())
-        positions_.own[pull.node] += pull.stiffness;
-    positions_.coarse = &coarse.position_factor();
-    complete(positions_);
-    if (!fine.is_smooth())
-        return;
-    rotations_.rows = nodes;
-    rotations_.coarse_rows = coarse.size();
-    rotations_.weight = 4 * fine.cells().smoothing;
-    rotations_.entries = &fine.laplacian();
-    if (fine.cells().rims) {
-        rotation_entries_ = edges_.weights;
-        for (int i = 0; i < nodes; ++i)
-            for (int a = edges_.offsets[i]; a < edges_.offsets[i + 1]; ++a)
-                rotation_entries_[a] *= fine.cells().edge_rigidity(i, edges_.neighbours[a]);
-        rotations_.entries = &rotation_entries_;
+    for (GraphMatrix& given : matrices) {
+        matrices_.push_back({std::move(given), {}});
+        Matrix& matrix = matrices_.back();
+        matrix.inverse_diagonal.resize(matrix.rows);
+        parallel_for(matrix.rows, [&](int i) {
+            double sum = 0.0;
+            for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a)
+                sum += matrix.entries[a];
+            matrix.inverse_diagonal[i] = static_cast<float>(1.0 / (matrix.weight * sum + matrix.own[i]));
+        });
     }
-    rotations_.own = fine.cells().moments(edges_, rest);
-    rotations_.coarse = &coarse.rotation_factor();
-    complete(rotations_);
-}
-
-GraphIteration::~GraphIteration() = default;
-
-void GraphIteration::complete(Matrix& matrix) const
-{
-    matrix.inverse_diagonal.resize(matrix.rows);
-    parallel_for(matrix.rows, [&](int i) {
-        double sum = 0.0;
-        for (int a = edges_.offsets[i]; a < edges_.offsets[i + 1]; ++a)
-            sum += (*matrix.entries)[a];
-        matrix.inverse_diagonal[i] = static_cast<float>(1.0 / (matrix.weight * sum + matrix.own[i]));
-    });
 }
 
 /// body(i, (A x)_i)
@@ -91,7 +63,7 @@ void GraphIteration::multiply(const Matrix& matrix, const Work& work, const std:
 {
     work.progress->tick(0.0, "iterating");
     using Scalar = typename Column::Scalar;
-    const double* const entries = matrix.entries->data();
+    const double* const entries = matrix.entries.data();
     const int* const offsets = edges_.offsets.data();
     const int* const neighbours = edges_.neighbours.data();
     const auto weight = static_cast<Scalar>(matrix.weight);
@@ -140,15 +112,15 @@ void GraphIteration::smooth(const Matrix& matrix, Work& work) const
 /// to = B from
 void GraphIteration::cycle(const Matrix& matrix, Work& work, const Columns& from, Columns& to) const
 {
-    const int rows = matrix.rows;
+    const int rows = matrix.rows, coarse_rows = matrix.coarse->size();
     const auto to_single = [&](int i) { work.r[i] = from[i].cast<float>(); };
     parallel_for(rows, to_single, grain);
     smooth(matrix, work);
     multiply(matrix, work, work.sum,
              [&](int i, const Four& product) { work.r[i] = from[i].cast<float>() - product; });
-    work.coarse.resize(matrix.coarse_rows, 3);
+    work.coarse.resize(coarse_rows, 3);
     parallel_for(
-        matrix.coarse_rows,
+        coarse_rows,
         [&](int p) {
             Four sum = Four::Zero();
             for (int k = first_link_[p]; k < first_link_[p + 1]; ++k)
@@ -164,7 +136,7 @@ void GraphIteration::cycle(const Matrix& matrix, Work& work, const Columns& from
             const ClusterMap::Shares shares = map_.shares(i);
             Eigen::Array4d sum = work.sum[i].cast<double>();
             for (int k = 0; k < shares.count; ++k)
-                if (shares.clusters[k] < matrix.coarse_rows)
+                if (shares.clusters[k] < coarse_rows)
                     sum.head<3>() +=
                         shares.weights[k] * work.coarse.row(shares.clusters[k]).transpose().array();
             to[i] = sum;
@@ -176,9 +148,10 @@ void GraphIteration::cycle(const Matrix& matrix, Work& work, const Columns& from
     parallel_for(rows, [&](int i) { to[i] += work.sum[i].cast<double>(); }, grain);
 }
 
-void GraphIteration::solve(const Matrix& matrix, const Points& b, Points& x, double error,
+void GraphIteration::solve(int number, const Points& b, Points& x, double error,
                            const Progress& progress) const
 {
+    const Matrix& matrix = matrices_[number];
     const int rows = matrix.rows;
     const auto work = work_.take([] { return std::make_unique<Work>(); });
     for (std::vector<Four>* each : {&work->r, &work->step, &work->next, &work->sum})
@@ -216,25 +189,16 @@ void GraphIteration::solve(const Matrix& matrix, const Points& b, Points& x, dou
     parallel_for(rows, [&](int i) { x.row(i) = peak * work->solution[i].head<3>().matrix().transpose(); });
 }
 
-void GraphIteration::solve_positions(const Points& b, Points& x, double error, const Progress& progress) const
-{
-    solve(positions_, b, x, error, progress);
-}
-
-void GraphIteration::solve_rotations(const Points& b, Points& x, double error, const Progress& progress) const
-{
-    solve(rotations_, b, x, error, progress);
-}
-
 std::int64_t GraphIteration::bytes() const
 {
-    const auto rows = static_cast<std::int64_t>(std::max(positions_.rows, rotations_.rows));
-    std::int64_t sum = static_cast<std::int64_t>(links_.size() * sizeof(Link) + first_link_.size() * 4 +
-                                                 rotation_entries_.size() * 8) +
-                       rows * (4 * sizeof(Four) + 5 * sizeof(Eigen::Array4d));
-    for (const Matrix* matrix : {&positions_, &rotations_})
-        sum += static_cast<std::int64_t>(matrix->own.size() * 12);
-    return sum;
+    std::int64_t sum =
+        static_cast<std::int64_t>(links_.size() * sizeof(Link) + first_link_.size() * sizeof(int));
+    int rows = 0;
+    for (const Matrix& matrix : matrices_) {
+        rows = std::max(rows, matrix.rows);
+        sum += matrix.rows * static_cast<std::int64_t>(sizeof(double) + sizeof(float));
+    }
+    return sum + rows * static_cast<std::int64_t>(4 * sizeof(Four) + 5 * sizeof(Eigen::Array4d));
 }
 
 } // namespace sinew
