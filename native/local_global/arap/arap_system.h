@@ -73,6 +73,7 @@ public:
     /// \param rest    (nodes, 3) in the order of the nodes.
     /// \param coarse  the graph of the clusters of `map`, with factors; both must stay where they are.
     void iterate(const Points& rest, const ClusterMap& map, const ArapSystem& coarse);
+    bool iterates() const { return iteration_ != nullptr; }
 
     const HandleGraph& nodes() const { return nodes_; }
     const GraphCells& cells() const { return cells_; }

@@ -234,7 +234,7 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
     progress.tick(1.0, "bound");
 
     self.bound = std::move(next);
-    if (why.empty())
+    if (!self.bound->graph.iterates())
         self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
     else
         report.remarks.push_back(iteration_remark(static_cast<int>(self.bound->cascade.levels().size()) + 1,
