@@ -8,6 +8,7 @@
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
+#include "native/core/progress_part.h"
 #include "native/mesh/components.h"
 #include "native/mesh/diagnosis.h"
 #include "native/mesh/frames/normal_frame.h"
@@ -97,15 +98,6 @@ SurfaceMesh without_loose_vertices(const SurfaceMesh& target)
             corners.push_back(numbers[v]);
     }
     return {target.points()(vertices, Eigen::all), std::move(counts), std::move(corners)};
-}
-
-/// The progress of a part of the work, which takes the whole from one fraction to another.
-Progress part_of(const Progress& whole, double from, double to)
-{
-    return Progress([&whole, from, to](double fraction, const char* stage) {
-        whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
-        return true;
-    });
 }
 
 /// The target, with its borders closed by fans.

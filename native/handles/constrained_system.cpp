@@ -4,6 +4,8 @@
 #include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/handles/system_solver.h"
+#include "native/solvers/solved_system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,20 +65,23 @@ void ConstrainedSystem::factorize(std::shared_ptr<SparseMatrix> A, const Regions
                             more = wider ? wider->free_vertices() : std::vector<bool>{};
 
     const ConstrainedQuadratic::Problem before = equations_.problem();
-    constraints_.swap(constraints);
-    stiffness_.swap(stiffness);
+    std::unique_ptr<const MultigridSolver> grid;
+    const auto exchange = [&] {
+        constraints_.swap(constraints);
+        stiffness_.swap(stiffness);
+        grid_.swap(grid);
+    };
+    exchange();
     try {
         equations_.factorize(std::move(A), free, more);
         if (completed)
             completed();
     } catch (const std::exception&) {
-        constraints_.swap(constraints);
-        stiffness_.swap(stiffness);
+        exchange();
         equations_.restore(before);
         throw;
     }
     ++factorizations_;
-    grid_.reset();
     frames_ = std::make_unique<Pool<Frame>>();
 }
 
@@ -95,11 +100,20 @@ void ConstrainedSystem::iterate(LinearSystem system, const Regions& regions, con
     system.pulls = pulls(system.vertices);
     auto grid = std::make_unique<const MultigridSolver>(system, progress);
     system = {};
-    if (completed)
-        completed();
-    grid_ = std::move(grid);
-    constraints_ = regions.constraints();
-    stiffness_ = std::move(stiffness);
+    std::vector<Constraint> constraints = regions.constraints();
+    const auto exchange = [&] {
+        constraints_.swap(constraints);
+        stiffness_.swap(stiffness);
+        grid_.swap(grid);
+    };
+    exchange();
+    try {
+        if (completed)
+            completed();
+    } catch (const std::exception&) {
+        exchange();
+        throw;
+    }
     equations_.restore({});
     frames_ = std::make_unique<Pool<Frame>>();
 }
@@ -120,6 +134,8 @@ void ConstrainedSystem::displace(const Targets& targets, Points& positions, cons
 void ConstrainedSystem::solve(const Targets& targets, Points& positions, const Source& source,
                               SolveReport* report, const Iterating& how) const
 {
+    if (grid_ && SolvedSystem::of_thread())
+        throw InvalidOption("solver: the multigrid has no matrix; choose the factor");
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
     const bool loaded = source || !stiffness_.empty();
@@ -173,21 +189,27 @@ void ConstrainedSystem::solve(const Targets& targets, Points& positions, const S
     report->residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
 }
 
-RowMatrix ConstrainedSystem::spread(const MatrixX& constraints) const
-{
-    std::optional<RowMatrix> b;
-    return spread(constraints, b);
-}
-
-RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const
+void ConstrainedSystem::solve(RowMatrix& d, const RowMatrix* b, const Progress& progress) const
 {
     if (grid_)
-        throw InvalidOption(
-            "solver: the multigrid answers no columns of constraint values; choose the factor");
-    if (!equations_.problem().matrix)
+        grid_->solve(d, b, nullptr, progress);
+    else
+        equations_.solve(d, b);
+}
+
+RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, const Progress& progress) const
+{
+    std::optional<RowMatrix> b;
+    return spread(constraints, b, progress);
+}
+
+RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, std::optional<RowMatrix>& b,
+                                    const Progress& progress) const
+{
+    if (!grid_ && !equations_.problem().matrix)
         throw InvalidConstraint("there are no handles yet: call set_handles() first");
     const auto columns = constraints.cols();
-    const auto n = static_cast<Eigen::Index>(equations_.problem().free.size());
+    const auto n = grid_ ? grid_->rows() : static_cast<Eigen::Index>(equations_.problem().free.size());
     RowMatrix d = RowMatrix::Zero(n, columns);
     if (!stiffness_.empty())
         b = RowMatrix::Zero(n, columns);
@@ -199,24 +221,26 @@ RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, std::optional<Ro
         else
             d.row(vertex) = target;
     }
-    equations_.solve(d, b ? &*b : nullptr);
+    solve(d, b ? &*b : nullptr, progress);
     return d;
 }
 
-RowMatrix ConstrainedSystem::answer(const RowMatrix& b) const
+RowMatrix ConstrainedSystem::answer(const RowMatrix& b, const Progress& progress) const
 {
     RowMatrix d = RowMatrix::Zero(b.rows(), b.cols());
-    equations_.solve(d, &b);
+    solve(d, &b, progress);
     return d;
 }
 
 LinearResponse ConstrainedSystem::respond(const MatrixX& constraints) const
 {
+    if (grid_)
+        throw InvalidOption("solver: the multigrid has no matrix; choose the factor");
     const auto columns = constraints.cols();
     std::optional<RowMatrix> b;
     LinearResponse response;
     RowMatrix& d = response.displacement;
-    d = spread(constraints, b);
+    d = spread(constraints, b, {});
     ConstrainedQuadratic::Forms forms = equations_.forms(d, b ? &*b : nullptr);
     response.energy = std::move(forms.energy);
     if (b) { // as in solve()
@@ -233,11 +257,12 @@ LinearResponse ConstrainedSystem::respond(const MatrixX& constraints) const
     return response;
 }
 
-void ConstrainedSystem::report(BindReport& report) const
+void ConstrainedSystem::report(BindReport& report, const std::string& why) const
 {
     report.factorizations = factorizations_;
     if (grid_) {
         report.factor_bytes = grid_->bytes();
+        report.remarks.push_back(iteration_remark(grid_->levels(), grid_->bytes(), why));
         return;
     }
     const SpdFactor& factor = equations_.factor();

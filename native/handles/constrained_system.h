@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace sinew {
@@ -65,7 +66,6 @@ public:
     void iterate(LinearSystem system, const Regions& regions, const Progress& progress,
                  const std::function<void()>& completed = {});
     bool iterates() const { return grid_ != nullptr; }
-    const MultigridSolver& grid() const { return *grid_; }
 
     /// Fills b (n, 3) and returns c.
     using Source = std::function<double(RowMatrix& b)>;
@@ -73,6 +73,7 @@ public:
     /// \param[out] positions  (n, 3) the shape that enters, displaced.
     /// \param source          null for b = 0 and c = 0, and then in all calls.
     /// \throw NotConverged, Cancelled  after iterate().
+    /// \throw InvalidOption  after iterate(), where a SolvedSystem is to keep the matrix.
     SolveReport solve(const Targets& targets, Points& positions, const Source& source = {},
                       const Iterating& how = {}) const;
 
@@ -81,18 +82,21 @@ public:
 
     /// (n, m) d with b = 0 for m columns of constraint values.
     /// \param constraints  (c, m) one row for each of regions.constraints().
-    /// \throw InvalidConstraint  before the first factorize().
-    /// \throw InvalidOption      after iterate().
-    RowMatrix spread(const MatrixX& constraints) const;
+    /// \throw InvalidConstraint        before the first factorize().
+    /// \throw NotConverged, Cancelled  after iterate().
+    RowMatrix spread(const MatrixX& constraints, const Progress& progress = {}) const;
     /// (n, m) d for m columns of b, where held vertices stay and nothing pulls. Rows of b that are no
     /// unknowns are not read.
-    RowMatrix answer(const RowMatrix& b) const;
+    /// \throw as spread()
+    RowMatrix answer(const RowMatrix& b, const Progress& progress = {}) const;
+    /// \throw InvalidOption  after iterate().
     LinearResponse respond(const MatrixX& constraints) const;
 
     /// (n, n) A of the last factorize(), with the soft pulls on its diagonal.
     const SparseMatrix& matrix() const { return *equations_.problem().matrix; }
-    /// Completes the counts of factorisations and the memory in a report.
-    void report(BindReport& report) const;
+    /// Completes the counts of factorisations, the memory and the remarks in a report.
+    /// \param why  of bind_by(), see handles/system_solver.h.
+    void report(BindReport& report, const std::string& why = {}) const;
 
 private:
     /// The workspace of a frame. Rows of d that are neither given nor solved for stay zero, and so do rows of
@@ -108,7 +112,8 @@ private:
     {
         return stiffness_[row + stiffness_.size() - constraints_.size()];
     }
-    RowMatrix spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const;
+    RowMatrix spread(const MatrixX& constraints, std::optional<RowMatrix>& b, const Progress& progress) const;
+    void solve(RowMatrix& d, const RowMatrix* b, const Progress& progress) const;
     void solve(const Targets& targets, Points& positions, const Source& source, SolveReport* report,
                const Iterating& how) const;
 

@@ -29,7 +29,8 @@ double mean_edge(const SurfaceMesh& mesh)
 
 } // namespace
 
-HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const ConstrainedSystem& laplacian)
+HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const ConstrainedSystem& laplacian,
+                           const Progress& progress)
     : groups_(std::move(groups))
 {
     allocate();
@@ -42,6 +43,11 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const Co
             groups_.part_handle(constraints[row]) - groups_.offsets[groups_.group[constraints[row].vertex]];
         if (slot < ones.cols())
             ones(static_cast<Eigen::Index>(row), slot) = 1.0;
+    }
+    if (laplacian.iterates()) {
+        // Within the tolerance, the iteration may leave [0, 1].
+        shares_ = laplacian.spread(ones, progress).cwiseMax(0.0).cwiseMin(1.0);
+        return;
     }
     auto L = std::make_shared<SparseMatrix>(laplacian.matrix());
     if (!make_weights_positive(*L)) {

@@ -33,9 +33,11 @@ public:
     HandleFields() = default;
     /// The harmonic fields. Cost: one solve of as many columns as a part has handles, less one; and one
     /// factorisation where an edge has a negative weight.
-    /// \param laplacian  factorised for these regions.
+    /// \param laplacian  factorised for these regions; or on the multigrid, and then without negative weights.
     /// \throw OutOfMemory  the fields would take more than limit_memory() allows.
-    HandleFields(HandleGroups groups, const Regions& regions, const ConstrainedSystem& laplacian);
+    /// \throw NotConverged, Cancelled  on the multigrid.
+    HandleFields(HandleGroups groups, const Regions& regions, const ConstrainedSystem& laplacian,
+                 const Progress& progress = {});
     /// The fields by distances. Cost: O(n log n) per handle.
     /// \param field  geodesic or euclidean.
     /// \throw OutOfMemory  likewise.

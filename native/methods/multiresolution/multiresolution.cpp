@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/core/progress_part.h"
 #include "native/operators/laplacian.h"
 #include "native/solvers/shared_analyses.h"
 
@@ -66,13 +67,7 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
     next->factorizations = impl_->bound->factorizations;
     next->analyses = impl_->bound->analyses;
     const Regions faired = faired_regions(rest(), regions, connected_components(rest()));
-    const auto half = [&](double begin) {
-        return Progress([&progress, begin](double fraction, const char* stage) {
-            progress.tick(begin + 0.5 * fraction, stage);
-            return true;
-        });
-    };
-    next->bands = DetailBands(rest(), regions, faired, options(), impl_->rings, half(0.0));
+    next->bands = DetailBands(rest(), regions, faired, options(), impl_->rings, part_of(progress, 0.0, 0.5));
     BindReport of_bands;
     next->bands.report(of_bands);
     next->factorizations += of_bands.factorizations;
@@ -83,7 +78,8 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
         next->below = next->bands.levels().back() - next->bands.levels().front();
     // The base comes last: its own bind leaves it as it was if it throws, and nothing throws afterwards. It
     // is kept if its handles are the same.
-    const BindReport of_base = impl_->base->rebind(*impl_->base, regions.handles(), half(0.5));
+    const BindReport of_base =
+        impl_->base->rebind(*impl_->base, regions.handles(), part_of(progress, 0.5, 1.0));
     report.remarks = of_base.remarks;
     std::ranges::copy(of_bands.remarks, std::back_inserter(report.remarks));
     report.degenerate_faces = degenerate_face_count(rest(), least_area_for_order(2));

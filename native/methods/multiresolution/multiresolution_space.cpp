@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
+#include "native/core/progress_part.h"
 #include "native/mesh/components.h"
 #include "native/solvers/shared_analyses.h"
 
@@ -95,21 +96,16 @@ MultiresolutionSpace::~MultiresolutionSpace() = default;
 void MultiresolutionSpace::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
     progress.tick(0.0, "fairing the base");
-    const auto part = [&](double begin, double share) {
-        return Progress([&progress, begin, share](double fraction, const char* stage) {
-            progress.tick(begin + share * fraction, stage);
-            return true;
-        });
-    };
     auto next = std::make_shared<Binding>();
     next->vertices = vertices_of(mesh_, points);
     const Components parts = connected_components(mesh_);
     const Regions regions(held_vertices(mesh_, handles_), parts);
     const SharedAnalyses shared; // of all bands
     next->bands = DetailBands(mesh_, regions, faired_regions(mesh_, regions, parts), options_,
-                              std::make_shared<const RingRotations>(mesh_), part(0.0, 0.5));
+                              std::make_shared<const RingRotations>(mesh_), part_of(progress, 0.0, 0.5));
     // The base comes last: its own bind leaves it as it was if it throws.
-    const SpaceReport of_base = base_->rebind(*base_, view(next->bands.levels().back()), part(0.5, 0.5));
+    const SpaceReport of_base =
+        base_->rebind(*base_, view(next->bands.levels().back()), part_of(progress, 0.5, 1.0));
     BindReport of_bands;
     next->bands.report(of_bands);
     report.error = of_base.error;

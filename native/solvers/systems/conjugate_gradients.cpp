@@ -133,6 +133,8 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
         done.reached = (load > 0).select(found / wanted.max(1e-300), 0.0).maxCoeff() * stop.tolerance;
         if (!busy.any()) {
             done.converged = true;
+            if (stop.adds_estimate)
+                parallel_for(n, [&](int i) { x[i] += z[i]; }, grain);
             break;
         }
         if ((busy && after.first < 0).any())

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -26,27 +27,37 @@ constexpr double restarted = 2; ///< times the tolerance: an error that takes a 
 struct MultigridSolver::Impl
 {
     Hierarchy hierarchy;
-    std::vector<int> vertices; ///< (nodes) of the finest level
-    std::vector<int> border_begin;
-    /// The links of held nodes of the finest level with held ones that are no part of it, in units of the hierarchy.
+    std::vector<int> vertices; ///< (n) of the nodes of the finest level, and then of the other held ones
+    std::vector<int> border_begin; ///< (n - free + 1)
+    /// The links of held vertices with held ones that the finest level does not have, in units of the hierarchy.
     std::vector<std::pair<int, double>> border;
+    std::vector<double>
+        beyond_mass; ///< (n - nodes) inverse masses of the other held vertices; empty for order 1
     mutable Pool<Cycles> cycles; ///< each of several solves at the same time has its own
 
     Impl(const LinearSystem& system, const Progress& progress) : hierarchy(system, progress)
     {
         const Level& level = hierarchy.levels.front();
-        std::vector<bool> inside(system.points.rows(), false);
+        const int n = static_cast<int>(system.points.rows());
+        std::vector<bool> inside(n, false);
+        vertices.reserve(n);
         for (const int u : hierarchy.unknowns)
             vertices.push_back(system.vertices[u]);
         vertices.insert(vertices.end(), hierarchy.held.begin(), hierarchy.held.end());
         for (const int v : vertices)
             inside[v] = true;
+        for (int v = 0; v < n; ++v)
+            if (!inside[v])
+                vertices.push_back(v);
         border_begin.assign(1, 0);
-        for (int i = level.free; i < level.nodes; ++i) {
-            for (SparseMatrix::InnerIterator it(system.graph, vertices[i]); it; ++it)
-                if (!inside[it.row()] && it.value() != 0.0)
+        for (int i = level.free; i < n; ++i) {
+            const int v = vertices[i];
+            for (SparseMatrix::InnerIterator it(system.graph, v); it; ++it)
+                if (it.row() != v && it.value() != 0.0 && !(inside[v] && inside[it.row()]))
                     border.emplace_back(static_cast<int>(it.row()), -it.value() / hierarchy.weight);
             border_begin.push_back(static_cast<int>(border.size()));
+            if (i >= level.nodes && hierarchy.order > 1)
+                beyond_mass.push_back(hierarchy.scale * hierarchy.weight * hierarchy.weight / system.mass[v]);
         }
         hierarchy.unknowns = {};
         hierarchy.held = {};
@@ -61,29 +72,33 @@ struct MultigridSolver::Impl
 
     int free() const { return hierarchy.levels.front().free; }
     int nodes() const { return hierarchy.levels.front().nodes; }
-    ConstrainedQuadratic::Norms norms(const Columns& y, const std::vector<Wide>& beyond) const;
+    double energy(const Columns& y, const std::function<Wide(int)>& given) const;
 };
 
-/// The energy of y on the nodes of the finest level, in units of the hierarchy and without pulls.
-ConstrainedQuadratic::Norms MultigridSolver::Impl::norms(const Columns& y,
-                                                         const std::vector<Wide>& beyond) const
+/// The energy of y on the nodes of the finest level and of what is given for other vertices, in units of the hierarchy
+/// and without pulls.
+double MultigridSolver::Impl::energy(const Columns& y, const std::function<Wide(int)>& given) const
 {
     const Level& level = hierarchy.levels.front();
-    ConstrainedQuadratic::Norms norms;
-    norms.energy = parallel_sum(level.nodes, [&](int i) {
-        Wide sum = i < level.free ? Wide(Wide::Zero()) : beyond[i - level.free];
+    return parallel_sum(static_cast<int>(vertices.size()), [&](int i) {
+        const Wide own = i < level.nodes ? y[i] : given(vertices[i]);
+        Wide sum = Wide::Zero();
         double squares = 0.0;
-        for (int at = level.link_begin[i]; at < level.link_begin[i + 1]; ++at) {
-            const Wide difference = y[i] - y[level.links[at].node];
-            const double w = level.weight(at);
-            sum += w * difference;
-            squares += 0.5 * w * difference.square().sum();
-        }
-        return hierarchy.order == 1
-                   ? squares
-                   : level.inverse_mass[i] * sum.square().sum() + hierarchy.membrane * squares;
+        const auto add = [&](double w, const Wide& other) {
+            sum += w * (own - other);
+            squares += 0.5 * w * (own - other).square().sum();
+        };
+        for (int at = i < level.nodes ? level.link_begin[i] : 0;
+             i < level.nodes && at < level.link_begin[i + 1]; ++at)
+            add(level.weight(at), y[level.links[at].node]);
+        for (int at = i < level.free ? 0 : border_begin[i - level.free];
+             i >= level.free && at < border_begin[i - level.free + 1]; ++at)
+            add(border[at].second, given(border[at].first));
+        if (hierarchy.order == 1)
+            return squares;
+        const double inverse = i < level.nodes ? level.inverse_mass[i] : beyond_mass[i - level.nodes];
+        return inverse * sum.square().sum() + hierarchy.membrane * squares;
     });
-    return norms;
 }
 
 std::int64_t MultigridSolver::bytes_for(const LinearSystem& system)
@@ -98,7 +113,8 @@ std::int64_t MultigridSolver::bytes_for(const LinearSystem& system)
     const double links = share * static_cast<double>(system.graph.nonZeros() - system.graph.cols());
     const double all =
         levels[system.order > 1] * (static_cast<double>(n * (of_level + of_work)) + of_link * links);
-    return static_cast<std::int64_t>(all + 4 * links) + n * of_solution;
+    const double border = (1 - share) * static_cast<double>(system.graph.nonZeros());
+    return static_cast<std::int64_t>(all + 4 * links + 16 * border) + n * of_solution;
 }
 
 MultigridSolver::MultigridSolver(const LinearSystem& system, const Progress& progress)
@@ -142,22 +158,23 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
             return rhs ? Wide(hierarchy.scale * row_of(*rhs, own.vertices[i])) : Wide(Wide::Zero());
         };
 
-        // A makes 0 of a common move but for what pulls: moves are counted from their mean.
+        // A makes 0 of a common move but for what pulls: moves are counted from the mean of what is held or pulled to.
         Wide mean = Wide::Zero(), unit = Wide::Zero();
-        const auto for_each_given = [&](auto&& body) {
-            for (int i = free; i < nodes; ++i)
-                body(row_of(x, own.vertices[i]));
-            for (int i = 0; rhs && i < free; ++i)
-                if (level.pull[i] > 0)
-                    body(Wide(load(i) / static_cast<double>(level.pull[i])));
-        };
         double number = 0.0;
-        for_each_given([&](const Wide& value) {
+        const auto count_in = [&](const Wide& value, double weight) {
             mean += value;
-            ++number;
-        });
-        mean /= std::max(number, 1.0);
-        for_each_given([&](const Wide& value) { unit = unit.max((value - mean).abs()); });
+            number += weight;
+        };
+        for (int i = free; i < nodes; ++i)
+            count_in(row_of(x, own.vertices[i]), 1.0);
+        for (int i = 0; nodes == free && rhs && i < free; ++i)
+            count_in(load(i), level.pull[i]);
+        mean /= number > 0 ? number : 1.0;
+        const auto pulled = [&](int i) { return Wide(load(i) - static_cast<double>(level.pull[i]) * mean); };
+        for (int i = free; i < nodes; ++i)
+            unit = unit.max((row_of(x, own.vertices[i]) - mean).abs());
+        for (int i = 0; rhs && i < free; ++i)
+            unit = unit.max(pulled(i).abs());
         const double largest = unit.maxCoeff();
         if (!(largest > 0)) {
             parallel_for(free, [&](int i) {
@@ -179,9 +196,7 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
         std::copy(held.value.begin(), held.value.end(), y.begin() + free);
         const auto find_residual = [&] {
             cycles->multiply(y, held.beyond, r);
-            parallel_for(free, [&](int i) {
-                r[i] = (load(i) - static_cast<double>(level.pull[i]) * mean) / largest - r[i];
-            });
+            parallel_for(free, [&](int i) { r[i] = pulled(i) / largest - r[i]; });
         };
         const auto size_of = [&](const Columns& columns) {
             Wide sum = Wide::Zero();
@@ -195,9 +210,7 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
             parallel_for(free, [&](int i) { y[i] = (row_of(*start, own.vertices[i]) - mean) / largest; });
         else {
             std::vector<Four>& b = cycles->right_side();
-            parallel_for(free, [&](int i) {
-                b[i] = ((load(i) - static_cast<double>(level.pull[i]) * mean) / largest).cast<float>();
-            });
+            parallel_for(free, [&](int i) { b[i] = (pulled(i) / largest).cast<float>(); });
             y = cycles->full_cycle(held);
         }
 
@@ -230,7 +243,8 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
         const Wide left = size_of(r);
         solution.norms.load += std::pow(largest / hierarchy.scale * loads.matrix().norm(), 2);
         solution.norms.residual += std::pow(largest / hierarchy.scale * left.matrix().norm(), 2);
-        solution.norms.energy += own.norms(y, held.beyond).energy * largest * largest / hierarchy.scale;
+        const auto given = [&](int v) { return Wide((row_of(x, v) - mean) / largest); };
+        solution.norms.energy += own.energy(y, given) * largest * largest / hierarchy.scale;
         parallel_for(free, [&](int i) {
             const Wide value = mean + largest * y[i];
             x.row(own.vertices[i]).segment(first, count) = value.head(count).matrix().transpose();
@@ -243,8 +257,17 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
     return solution;
 }
 
+Eigen::Index MultigridSolver::rows() const { return static_cast<Eigen::Index>(impl_->vertices.size()); }
+
 int MultigridSolver::levels() const { return static_cast<int>(impl_->hierarchy.levels.size()); }
 
-std::int64_t MultigridSolver::bytes() const { return impl_->hierarchy.bytes() + impl_->workspace()->bytes(); }
+std::int64_t MultigridSolver::bytes() const
+{
+    const auto size_of = [](const auto& values) {
+        return static_cast<std::int64_t>(values.size() * sizeof(values.front()));
+    };
+    return impl_->hierarchy.bytes() + impl_->workspace()->bytes() + size_of(impl_->vertices) +
+           size_of(impl_->border_begin) + size_of(impl_->border) + size_of(impl_->beyond_mass);
+}
 
 } // namespace sinew

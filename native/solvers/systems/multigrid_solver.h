@@ -33,13 +33,12 @@ public:
     struct Solution
     {
         int iterations = 0;
-        /// As those of ConstrainedQuadratic, but for what given rows have among themselves.
         ConstrainedQuadratic::Norms norms;
     };
 
-    /// Until the estimated error is below 5e-5 of the largest move against the mean of the given rows.
+    /// Until the estimated error is below 5e-5 of the largest x against the mean of the given rows.
     /// \param[in,out] x  (n, k) with the given rows at first, with all rows afterwards.
-    /// \param rhs        (n, k) b; null for zero. Where nothing pulls, it is zero.
+    /// \param rhs        (n, k) b; null for zero. Given rows of b are not read.
     /// \param start      (n, k) what the iteration starts from; null for a coarse solution. The solution depends on it
     ///   within the tolerance.
     /// \throw NotConverged  the iterations stall.
@@ -47,6 +46,7 @@ public:
     Solution solve(RowMatrix& x, const RowMatrix* rhs, const RowMatrix* start,
                    const Progress& progress) const;
 
+    Eigen::Index rows() const; ///< n
     int levels() const;
     std::int64_t bytes() const; ///< of the solver and one workspace
 

@@ -2,6 +2,7 @@
 #include "native/methods/space/cage/harmonic.h"
 
 #include "native/core/errors.h"
+#include "native/core/progress_part.h"
 #include "native/methods/space/cage/harmonic/boundary.h"
 #include "native/methods/space/cage/harmonic/data.h"
 #include "native/methods/space/cage/harmonic/grid.h"
@@ -117,19 +118,13 @@ void Harmonic::solve_boundary(PointsView points, const Progress& progress)
 {
     if (!boundary_) {
         const int level = level_for(static_cast<int>(cage().triangles().size()), options_.quality);
-        const auto within = [&](double from, double part) {
-            return Progress([&progress, from, part](double fraction, const char* stage) {
-                progress.tick(from + part * fraction, stage);
-                return true;
-            });
-        };
         std::unique_ptr<HarmonicBoundary> coarser;
         int half = level;
         while (half >= 0 && 2 * harmonic_pattern_unknowns(half) > harmonic_pattern_unknowns(level))
             --half;
         if (half >= 0)
-            coarser = std::make_unique<HarmonicBoundary>(cage(), half, within(0.0, 0.2));
-        boundary_ = std::make_unique<HarmonicBoundary>(cage(), level, within(0.2, 0.8));
+            coarser = std::make_unique<HarmonicBoundary>(cage(), half, part_of(progress, 0.0, 0.2));
+        boundary_ = std::make_unique<HarmonicBoundary>(cage(), level, part_of(progress, 0.2, 1.0));
         coarser_ = std::move(coarser);
         unknowns_ = boundary_->unknowns();
     }

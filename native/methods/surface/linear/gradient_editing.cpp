@@ -2,11 +2,15 @@
 #include "native/methods/surface/linear/gradient_editing.h"
 
 #include "native/core/memory.h"
+#include "native/core/progress_part.h"
 #include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/turned_gradients.h"
 
+#include <algorithm>
+#include <memory>
+#include <string>
 #include <utility>
 
 namespace sinew {
@@ -67,28 +71,55 @@ void GradientEditing::bind(const Regions& regions, BindReport& report, const Pro
     Binding& bound = *impl_->bound;
     const TriangleMetric metric = triangle_metric(rest());
     report.degenerate_faces = degenerate_face_count(rest(), metric);
-    auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), Discretization::cotan, metric));
     if (bound.gradients.triangle_count() == 0)
         bound.gradients = TurnedGradients(rest(), metric);
     std::vector<int> touching = touching_handles(rest(), regions);
     std::vector<std::vector<int>> patches = handle_patches(rest(), regions);
-    HandleGroups groups(regions, connected_components(rest()));
     HandleFields fields;
-    progress.tick(0.2, "factorising");
-    bound.system.factorize(std::move(L), regions, [&] {
+    const auto laplacian = [&] {
+        LinearSystem system;
+        system.graph = laplacian_matrix(rest(), Discretization::cotan, metric);
+        system.points = rest().points();
+        return system;
+    };
+    const bool harmonic = options().field == Field::harmonic;
+    const auto find_fields = [&](const ConstrainedSystem& system) {
         progress.tick(0.7, "computing the fields");
-        fields = options().field == Field::harmonic
-                     ? HandleFields(std::move(groups), regions, bound.system)
-                     : HandleFields(std::move(groups), regions, rest(), options().field);
+        HandleGroups groups(regions, connected_components(rest()));
+        fields = harmonic ? HandleFields(std::move(groups), regions, system, part_of(progress, 0.7, 0.8))
+                          : HandleFields(std::move(groups), regions, rest(), options().field);
+    };
+    const auto complete = [&] {
+        if (fields.groups().group.empty())
+            find_fields(bound.system);
         progress.tick(1.0, "bound");
-    });
+    };
+    const auto factorize = [&] {
+        auto L = std::make_shared<SparseMatrix>(laplacian().graph);
+        progress.tick(0.2, "factorising");
+        bound.system.factorize(std::move(L), regions, complete);
+    };
+    const auto iterate = [&] {
+        LinearSystem system = laplacian();
+        const bool apart = harmonic && make_weights_positive(system.graph);
+        if (apart) {
+            ConstrainedSystem positive;
+            positive.iterate(std::move(system), regions, part_of(progress, 0.2, 0.7));
+            find_fields(positive);
+            system = laplacian();
+        }
+        bound.system.iterate(std::move(system), regions,
+                             apart ? part_of(progress, 0.8, 1.0) : part_of(progress, 0.2, 0.7), complete);
+    };
+    const auto free = static_cast<int>(std::ranges::count(regions.free_vertices(), true));
+    const std::string why = bind_by(options().solver, {free, factor_bytes(free, 1), "", factorize, iterate});
     bound.fields = std::move(fields);
     bound.touching = std::move(touching);
     bound.patches = std::move(patches);
-    bound.system.report(report);
+    bound.system.report(report, why);
 }
 
-SolveReport GradientEditing::deform(const SolveRequest& /*request*/, const Targets& targets,
+SolveReport GradientEditing::deform(const SolveRequest& request, const Targets& targets,
                                     Points& positions) const
 {
     const Binding& bound = *impl_->bound;
@@ -119,10 +150,12 @@ SolveReport GradientEditing::deform(const SolveRequest& /*request*/, const Targe
             (work->blended.row(i) + work->blended.row(j) + work->blended.row(k)).transpose() / 3.0;
         apply(blend.at(group, mean.data()));
     };
-    SolveReport report = bound.system.solve(targets, positions, [&](RowMatrix& b) {
+    const auto source = [&](RowMatrix& b) {
         bound.fields.blend(blend.values(), work->blended);
         return bound.gradients.source(targets.base(), change, work->forces, b);
-    });
+    };
+    SolveReport report = bound.system.solve(targets, positions, source,
+                                            {.start = request.start, .progress = request.progress});
     report.half_turns = blend.half_turns(groups);
     return report;
 }

@@ -4,6 +4,7 @@
 #include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/handles/handle_fields.h"
+#include "native/handles/system_solver.h"
 #include "native/methods/surface/method.h"
 
 #include <string>
@@ -14,6 +15,7 @@ namespace sinew {
 struct GradientEditingOptions
 {
     Field field = Field::harmonic;
+    SystemSolver solver = SystemSolver::automatic;
 
     static constexpr auto table()
     {
@@ -21,7 +23,8 @@ struct GradientEditingOptions
         return std::tuple{
             option("field", &O::field, Rebind::update,
                    "how the maps of the handles fade: 'harmonic' (Eq. 8), or by the distances from them: "
-                   "'geodesic' along the surface, 'euclidean' in a straight line")};
+                   "'geodesic' along the surface, 'euclidean' in a straight line"),
+            solver_option(&O::solver)};
     }
 };
 
@@ -30,7 +33,9 @@ struct GradientEditingOptions
 ///
 /// Y. Yu et al. "Mesh Editing with Poisson-Based Gradient Field Manipulation." SIGGRAPH 2004.
 /// R. Zayer, C. Roessl, Z. Karni, H.-P. Seidel. "Harmonic Guidance for Surface Deformation." Eurographics
-/// 2005. Tutorial, sections 4.5.1 and 4.5.3.
+/// 2005. Tutorial, sections 4.5.1 and 4.5.3. On the multigrid:
+/// L. Shi, Y. Yu, N. Bell, W.-W. Feng. "A Fast Multigrid Algorithm for Mesh Deformation." ACM Transactions on
+/// Graphics 25(3), 2006.
 ///
 /// With base points y (the incoming shape, or the rest shape), gradients G_t of y on each triangle of area
 /// A_t, and one linear map T_t per triangle, it minimises
@@ -48,6 +53,13 @@ struct GradientEditingOptions
 /// without area has the metric of operators/laplacian.h on both sides of the equation, so that it does no
 /// harm.
 ///
+/// With `solver="multigrid"` both passes of Shi et al. are iterations on a hierarchy of graphs (solvers/multigrid): first
+/// the maps of the handles are propagated, by the fields from Eq. 8, L s = 0 with the positive weights of
+/// operators/laplacian.h, then positions follow from them, by Eq. 15. The shape is that of the factor to 1e-4 of the
+/// motion, and with SolveRequest::start it differs by as much from call to call. Departs from their paper: each map is
+/// the blend above, where they propagate frames as vectors; the hierarchy is that of this library, and its cycles are a
+/// preconditioner of conjugate gradients.
+///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
 ///   set_handles()  another set of handles        one factorisation, and the fields: with `harmonic` one
@@ -55,6 +67,12 @@ struct GradientEditingOptions
 ///                                                factorisation where a cotangent weight is negative, with
 ///                                                distances O(n log n) per handle
 ///   solve()        the handles moved             one solve for x, y and z, and one map per triangle
+///   set_handles()  another set of handles        with the multigrid a hierarchy, O(n); two where a cotangent
+///                                                weight is negative; and the fields, some 8 iterations
+///   solve()        the handles moved             with the multigrid some 8 iterations
+///
+/// Bind and first frame are quicker on the multigrid from some 100,000 vertices on, every further frame is slower
+/// (docs/developer/decisions/multigrid-on-graphs.md). The system of a solve needs the factor.
 ///
 /// Affine motions of all handles together are reproduced. Translations have no influence on gradients: where
 /// handles are moved but not turned, the surface between them is sheared. Suits bends and twists of less than

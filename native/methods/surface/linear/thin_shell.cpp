@@ -2,8 +2,7 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
-#include "native/core/memory.h"
-#include "native/core/system/physical_memory.h"
+#include "native/core/progress_part.h"
 #include "native/operators/painted.h"
 #include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"
@@ -54,20 +53,6 @@ struct Coefficients
 {
     std::vector<double> stretching, bending, variation;
 };
-
-/// About what the factor of a surface takes: the entries of a row grow with the logarithm of their number.
-double factor_bytes(int free, int order)
-{
-    const double doublings = std::max(std::log2(free / 5e4), 0.0);
-    return 8.0 * free * (order == 1 ? 31 + 5 * doublings : 110 + 14 * doublings);
-}
-
-/// The beginning of a message, up to what to do.
-std::string reason_of(const OutOfMemory& error, char end = ':')
-{
-    const std::string text = error.what();
-    return text.substr(0, text.find(end));
-}
 
 /// The results of a bind.
 struct Binding
@@ -188,8 +173,7 @@ struct ThinShell::Impl
         return metric;
     }
 
-    void iterate(Discretization of, const Regions& regions, const std::string& why, BindReport& report,
-                 const Progress& progress)
+    void iterate(Discretization of, const Regions& regions, BindReport& report, const Progress& progress)
     {
         LinearSystem system;
         if (!k.bending.empty())
@@ -200,11 +184,9 @@ struct ThinShell::Impl
             });
         system.points = rest.points();
         progress.tick(0.2, "building the multigrid");
-        bound.system.iterate(std::move(system), regions, progress, [&] { progress.tick(1.0, "bound"); });
+        bound.system.iterate(std::move(system), regions, part_of(progress, 0.2, 1.0),
+                             [&] { progress.tick(1.0, "bound"); });
         bound.basis.reset();
-        report.remarks.push_back("solved by iterations on a multigrid of " +
-                                 std::to_string(bound.system.grid().levels()) + " levels in " +
-                                 in_words(bound.system.grid().bytes()) + ": " + why);
     }
 
     /// The factor is used again where the pattern of the matrix is the same.
@@ -225,47 +207,15 @@ struct ThinShell::Impl
         bound.basis = std::move(basis);
     }
 
-    /// Why the factor is not even begun: empty where it may fit.
-    std::string too_large(const Regions& regions) const
-    {
-        constexpr int small = 200'000; // of so few, the analysis that tells the true size takes no time
-        constexpr double least = 0.8;  // what a real one takes at least, as a share of factor_bytes()
-        const auto free = static_cast<int>(std::ranges::count(regions.free_vertices(), true));
-        const double bytes = factor_bytes(free, k.bending.empty() ? 1 : 2);
-        const std::int64_t limit = memory_limit(), most = limit > 0 ? limit : physical_memory();
-        if (free < small || most <= 0 || bytes * (limit > 0 ? least : 1.0) <= static_cast<double>(most))
-            return {};
-        return "the factor needs about " + in_words(static_cast<std::int64_t>(bytes)) + ", the " +
-               (limit > 0 ? "memory limit is " : "machine has ") + in_words(most);
-    }
-
     void bind(const ThinShellOptions& options, const Regions& regions, BindReport& report,
               const Progress& progress)
     {
-        const std::string no = unsuited();
-        if (options.solver == SystemSolver::multigrid && !no.empty())
-            throw InvalidOption("solver: " + no + "; choose the factor");
-        const bool may_choose = options.solver == SystemSolver::automatic && no.empty();
-        std::string why = options.solver == SystemSolver::multigrid ? "asked for"
-                          : may_choose                              ? too_large(regions)
-                                                                    : "";
-        if (why.empty())
-            try {
-                factorize(options, regions, report, progress);
-            } catch (const OutOfMemory& error) {
-                if (!may_choose)
-                    throw;
-                why = reason_of(error);
-            }
-        if (!why.empty())
-            try {
-                iterate(options.laplacian, regions, why, report, progress);
-            } catch (const OutOfMemory& error) {
-                if (!may_choose)
-                    throw;
-                throw OutOfMemory(why.substr(0, why.find(',')) + " and " + error.what());
-            }
-        bound.system.report(report);
+        const auto free = static_cast<int>(std::ranges::count(regions.free_vertices(), true));
+        const std::string why =
+            bind_by(options.solver, {free, factor_bytes(free, k.bending.empty() ? 1 : 2), unsuited(),
+                                     [&] { factorize(options, regions, report, progress); },
+                                     [&] { iterate(options.laplacian, regions, report, progress); }});
+        bound.system.report(report, why);
     }
 };
 
@@ -338,8 +288,6 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
         return bound.basis->solve(request.poses, positions, !idle_parts_ride());
 
     SolvedSystem* const solved = SolvedSystem::of_thread();
-    if (solved && bound.system.iterates())
-        throw InvalidOption("solver: the multigrid has no matrix; choose the factor");
     const SolveReport report =
         bound.system.solve(targets, positions, {}, {.start = request.start, .progress = request.progress});
     if (solved)

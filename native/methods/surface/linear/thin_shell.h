@@ -4,6 +4,7 @@
 #include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/handles/constrained_system.h"
+#include "native/handles/system_solver.h"
 #include "native/methods/surface/linear/responses/affine_basis.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
@@ -17,19 +18,6 @@ namespace sinew {
 /// One number, or one per vertex (painted). Painted values below 1e-6 of the largest one are raised to that,
 /// so that the system stays solvable where a region is painted black.
 using Stiffness = std::vector<double>;
-
-/// How a ThinShell solves its system.
-///
-///   automatic  factor; multigrid where the factor takes more memory than limit_memory() allows, or without a limit than
-///              the machine has
-///   factor     a Cholesky factor, computed once: a frame takes two triangular solves
-///   multigrid  iterations in each frame, in a fifth of the memory
-enum class SystemSolver { automatic, factor, multigrid };
-constexpr auto choices(SystemSolver)
-{
-    return std::array{Choice{"automatic", SystemSolver::automatic}, Choice{"factor", SystemSolver::factor},
-                      Choice{"multigrid", SystemSolver::multigrid}};
-}
 
 struct ThinShellOptions
 {
@@ -54,13 +42,8 @@ struct ThinShellOptions
                    "'uniform', 'cotan', 'cotan_voronoi' or 'robust' (section 3.2)"),
             option("affine_basis", &O::affine_basis, Rebind::update,
                    "whether to precompute the response to affine handle motions, which makes a frame one "
-                   "small matrix product with the same result"),
-            option(
-                "solver", &O::solver, Rebind::update,
-                "'factor', 'multigrid' (iterations in little memory, to 1e-4 of the motion, without an "
-                "affine "
-                "basis), or 'automatic': the multigrid where the factor does not fit limit_memory(), or the "
-                "machine")};
+                   "small matrix product with the same result; never with the multigrid"),
+            solver_option(&O::solver)};
     }
 };
 

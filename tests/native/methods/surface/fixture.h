@@ -48,6 +48,36 @@ public:
             *report = found;
         return positions;
     }
+    /// What a frame on the multigrid promises beside its shape, and binds from one solver to the other.
+    static void on_the_multigrid(const Options& factor, const Options& multigrid)
+    {
+        const SurfaceMesh mesh = shapes::hill(90, 80);
+        const std::vector<Handle> handles = shapes::ends(mesh, 3);
+        const Poses moved{shapes::turn({0, 1, 0}, 40), shapes::shift(1, -2, 30)};
+        Method exact = bound(mesh, factor, handles), method(mesh, multigrid), back(mesh, factor);
+        const Solution truth = solve(exact, moved);
+        double reached = 0.0;
+        method.rebind(exact, handles, Progress([&](double share, const char*) {
+                          EXPECT_GE(share, reached);
+                          reached = share;
+                          return true;
+                      }));
+        EXPECT_EQ(reached, 1.0);
+        const Solution first = solve(method, moved);
+        EXPECT_NEAR(first.report.energy, truth.report.energy, 1e-3 * truth.report.energy);
+        for (const int stop : {1, 20, 100}) {
+            int ticks = 0;
+            const Progress stops([&](double, const char*) { return ++ticks < stop; });
+            EXPECT_THROW(solve(method, moved, {.progress = stops}), Cancelled);
+            EXPECT_EQ(ticks, stop);
+        }
+        EXPECT_EQ(solve(method, moved).positions, first.positions);
+        const Solution again = solve(method, moved, {.start = view(first.positions)});
+        EXPECT_LE(again.report.iterations, first.report.iterations / 2);
+        EXPECT_NEAR(again.report.energy, first.report.energy, 1e-4 * first.report.energy);
+        back.rebind(method, handles);
+        EXPECT_LT(shapes::distance(solve(back, moved).positions, truth.positions), 1e-9);
+    }
     static SurfaceTraits linear(const std::string& name, const std::vector<SurfaceVariant>& variants)
     {
         return {.name = name,

@@ -4,6 +4,7 @@
 #include "native/caging/automatic_cage.h"
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/core/progress_part.h"
 #include "native/mesh/frames/surface_frame.h"
 #include "native/methods/surface/substeps.h"
 
@@ -90,14 +91,6 @@ SurfaceMesh cage_around(const SurfaceMesh& part, const SurfaceFrame& frame, int 
 }
 
 } // namespace
-
-Progress part_of(const Progress& whole, double from, double to)
-{
-    return Progress([&whole, from, to](double fraction, const char* stage) {
-        whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
-        return true;
-    });
-}
 
 Clusters clusters_of(const GraphEdges& edges, const Points& rest, std::vector<int> hard, int wanted)
 {

@@ -56,9 +56,6 @@ struct CagedPart
     Points means(const Points& points) const;
 };
 
-/// The progress of a part of the work, which takes the whole from one fraction to another.
-Progress part_of(const Progress& whole, double from, double to);
-
 /// Clusters of a part. Vertices of different `hard` numbers are in different clusters.
 Clusters clusters_of(const GraphEdges& edges, const Points& rest, std::vector<int> hard, int wanted);
 

@@ -32,4 +32,9 @@ SurfaceTraits traits()
 
 INSTANTIATE_TEST_SUITE_P(GradientEditing, SurfaceContract, testing::Values(traits()));
 
+TEST(GradientEditing, on_the_multigrid_ends_within_a_product_when_cancelled_and_begins_from_a_shape)
+{
+    Fixture::on_the_multigrid({.solver = SystemSolver::factor}, {.solver = SystemSolver::multigrid});
+}
+
 } // namespace sinew::test_gradient_editing

@@ -72,20 +72,7 @@ TEST_F(ThinShell, displaces_what_enters_as_it_displaces_the_rest)
 
 TEST_F(ThinShell, on_the_multigrid_ends_within_a_product_when_cancelled_and_begins_from_a_shape)
 {
-    const SurfaceMesh mesh = shapes::hill(90, 80);
-    const Poses bent{shapes::turn({0, 1, 0}, 40), shapes::shift(1, -2, 30)};
-    const Method shell = bound(mesh, {.solver = SystemSolver::multigrid}, shapes::ends(mesh, 3));
-    const Solution first = solve(shell, bent);
-    for (const int stop : {1, 20, 100}) {
-        int ticks = 0;
-        const Progress stops([&](double, const char*) { return ++ticks < stop; });
-        EXPECT_THROW(solve(shell, bent, {.progress = stops}), Cancelled);
-        EXPECT_EQ(ticks, stop);
-    }
-    EXPECT_EQ(solve(shell, bent).positions, first.positions);
-    const Solution again = solve(shell, bent, {.start = view(first.positions)});
-    EXPECT_LT(again.report.iterations, first.report.iterations / 2);
-    EXPECT_NEAR(again.report.energy, first.report.energy, 1e-4 * first.report.energy);
+    on_the_multigrid({.solver = SystemSolver::factor}, {.solver = SystemSolver::multigrid});
 }
 
 } // namespace sinew::test_thin_shell
