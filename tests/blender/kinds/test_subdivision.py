@@ -86,8 +86,8 @@ def ways_apart(own: np.ndarray, blenders: np.ndarray) -> np.ndarray:
     return np.sort(distances) / np.linalg.norm(np.ptp(own, axis=0))
 
 
-# What Blender is asked for, and what is the same here. Ours is exact (tests/bindings/surfaces), Blender's limit
-# stops ten levels in: the end of the one endless crease is still 0.46^10 of an edge away from it, 6.4e-6.
+# What Blender is asked for, and what is the same here. Ours is exact (tests/bindings/surfaces). Blender's
+# limit stops ten levels in: the end of the endless crease is still 0.46^10 of an edge away from it, 6.4e-6.
 LIMIT = {"use_limit_surface": True, "quality": 10}
 WAYS = {
     **{
