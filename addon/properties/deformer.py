@@ -231,10 +231,11 @@ class SinewDeformer(PropertyGroup):
     @property
     def methods(self) -> tuple[tuple[Method, PropertyGroup], ...]:
         """The methods in use, each with its parameters: the method, then the one that it is put around."""
-        own = (self.definition, self.parameters)
-        if not self.definition.wraps:
+        method = self.definition  # Blender takes as long to say which as for some of the other steps
+        own = (method, getattr(self, method.id))
+        if not method.wraps:
             return (own,)
-        base = BY_ID[getattr(self.parameters, BASE)]
+        base = BY_ID[getattr(own[1], BASE)]
         return own, (base, getattr(self, base.id))
 
     @property

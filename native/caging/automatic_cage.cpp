@@ -6,6 +6,7 @@
 #include "native/caging/quads.h"
 #include "native/caging/wrap.h"
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/core/parallel.h"
 #include "native/core/progress_part.h"
 #include "native/mesh/components.h"
@@ -398,7 +399,7 @@ AutomaticCage automatic_cage(const SurfaceMesh& whole, const AutomaticCageOption
     if (options.faces < 12 || options.faces > 100'000)
         throw InvalidOption("faces: " + std::to_string(options.faces) + " is not in 12 to 100000");
     if (!(options.margin >= 0.004 && options.margin <= 0.25))
-        throw InvalidOption("margin: " + std::to_string(options.margin) + " is not in 0.004 to 0.25");
+        throw InvalidOption("margin: " + shortest(options.margin) + " is not in 0.004 to 0.25");
 
     const SurfaceMesh target = without_loose_vertices(whole);
     Frame frame = frame_of(target);

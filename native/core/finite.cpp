@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <sstream>
 
 namespace sinew {
 
@@ -55,6 +56,14 @@ bool round_points(const Points& points, SinglePoints& rounded)
     return single_rows(rounded.rows(), [from = points.data(), to = rounded.data()](std::size_t k) {
         return to[k] = static_cast<float>(from[k]);
     });
+}
+
+std::string shortest(double number, int digits)
+{
+    std::ostringstream text;
+    text.precision(digits);
+    text << number;
+    return text.str();
 }
 
 } // namespace sinew

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <string>
+
 namespace sinew {
 
 /// Whether all numbers of an array are finite. Zero times any other is not a number, and a sum keeps that;
@@ -24,5 +26,8 @@ bool are_finite(const SinglePoints& points);
 
 /// Rounds points to single precision, on all threads. \return whether all results are finite.
 bool round_points(const Points& points, SinglePoints& rounded);
+
+/// A number in as many digits as a message needs, such as 0.25 or 1e-07.
+std::string shortest(double number, int digits = 6);
 
 } // namespace sinew

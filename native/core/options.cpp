@@ -2,21 +2,9 @@
 #include "native/core/options.h"
 
 #include "native/core/errors.h"
-
-#include <sstream>
+#include "native/core/finite.h"
 
 namespace sinew {
-
-namespace {
-
-std::string shortest(double number)
-{
-    std::ostringstream text;
-    text << number;
-    return text.str();
-}
-
-} // namespace
 
 bool Range::contains(double value) const
 {

@@ -2,6 +2,7 @@
 #include "native/mesh/regions.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 
 #include <algorithm>
 #include <string>
@@ -38,7 +39,7 @@ void check(const Handle& handle, int index, int vertex_count)
         throw InvalidConstraint(name_of(index) + ": weights outside [0, 1] at vertices " + list_some(bad),
                                 Element::vertex, bad);
     if (!(handle.continuity >= 0.0 && handle.continuity <= 2.0))
-        throw InvalidConstraint(name_of(index) + ": continuity " + std::to_string(handle.continuity) +
+        throw InvalidConstraint(name_of(index) + ": continuity " + shortest(handle.continuity) +
                                     " is outside [0, 2]",
                                 Element::handle, {index});
 }

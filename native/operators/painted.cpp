@@ -2,6 +2,7 @@
 #include "native/operators/painted.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,7 @@ std::vector<double> painted(const std::vector<double>& values, int n, double lea
         if (!(values[i] >= 0.0 && std::isfinite(values[i])))
             bad.push_back(i);
     if (!bad.empty() && values.size() == 1)
-        throw InvalidOption(label + ": " + std::to_string(values[0]) + " is not a finite number >= 0");
+        throw InvalidOption(label + ": " + shortest(values[0]) + " is not a finite number >= 0");
     if (!bad.empty())
         throw InvalidOption(label + ": values at vertices " + list_some(bad) + " are not finite numbers >= 0",
                             Error::Element::vertex, bad);

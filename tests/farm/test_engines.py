@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from signal import SIGSEGV
 
+import numpy as np
 import psutil
 import pytest
 
@@ -127,6 +128,25 @@ def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     words = ["--workers", 2, "--blender", " ".join(BLENDER), *WORDS, tmp_path, "--objects", "Nobody"]
     assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4
     assert not list(tmp_path.glob("**/*.*"))
+    bakes = tmp_path / "bakes"  # for ever, but for the first frames, which are refused
+    bakes.write_text(
+        '#!/bin/sh\ncase "$*" in *--version) echo Blender 4.2;; *" 1-"*) exit 3;; *) sleep 9999; esac'
+    )
+    bakes.chmod(0o755)
+    said(*FARM, "dask", shot, *words[:2], "--blender", bakes, *WORDS, tmp_path, code=3)
+
+
+@pytest.mark.skipif("SINEW_LONG_TESTS" not in os.environ, reason="it takes gigabytes, and minutes")
+@pytest.mark.parametrize("side", [2236, 3163])
+def test_millions_of_vertices_are_posed_and_baked(side: int, tmp_path: Path) -> None:
+    shot = tmp_path / "shot.blend"
+    said(BLENDER[0], HERE / "make_shot.py", shot, side, "multigrid")
+    print(said(*BLENDER, "bake", shot, *WORDS, tmp_path, "--frames", "120-121"))
+    said(*BLENDER, "join", tmp_path, *WORDS, tmp_path, "--frames", "120-121")
+    heights = np.fromfile(tmp_path / "Body.pc2", "<f4", offset=32).reshape(2, side, side, 3)[..., 2]
+    assert np.ptp(heights, axis=2).max() < 1e-4  # no strip along the handles bends
+    assert np.diff(heights.mean(axis=2), axis=1).min() > -1e-6  # from the fixed one to the handle all rise
+    assert np.ptp(heights[:, 0]) == 0 < heights[:, -1].min()
 
 
 def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path) -> None:

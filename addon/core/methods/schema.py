@@ -271,6 +271,17 @@ PRECISIONS = items(
 )
 
 
+def solver(of_iterations: str) -> Choice:
+    solvers = items(
+        automatic="Iterates only where the factor needs more memory than the limit, or the computer, has",
+        factor="Computes a factor at bind, after which frames are quick",
+        multigrid=("Iterations", of_iterations),
+    )
+    return Choice("solver", "Solver", "automatic", solvers, advanced=True).described(
+        "Set how millions of vertices are solved for, where memory or the time of a bind is short"
+    )
+
+
 def iterations(default: int, soft: int = 100, maximum: int = 1_000_000, **others: Any) -> Int:
     """The largest number of steps of a frame of an iterative method."""
     usual: dict[str, Any] = {

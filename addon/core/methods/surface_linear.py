@@ -20,6 +20,7 @@ from .schema import (
     factorising,
     items,
     laplacian,
+    solver,
 )
 
 
@@ -34,17 +35,6 @@ def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) 
         only_with=only_with,
         unit="steps",
     ).described("Take the handles from rest to their poses in so many steps; " + which)
-
-
-def _solver(iterations: str) -> Choice:
-    solvers = items(
-        automatic="Iterates only where the factor needs more memory than the limit, or the computer, has",
-        factor="Computes a factor at bind, after which frames are quick",
-        multigrid=("Iterations", iterations),
-    )
-    return Choice("solver", "Solver", "automatic", solvers, advanced=True).described(
-        "Set how millions of vertices are solved for, where memory or the time of a bind is short"
-    )
 
 
 def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
@@ -128,7 +118,7 @@ ROWS = (
             ),
             laplacian(),
             _substeps("more steps keep twists from collapsing, and a frame takes as many binds"),
-            _solver("Takes a fifth of the memory and binds quickly, but frames are slow"),
+            solver("Takes a fifth of the memory and binds quickly, but frames are slow"),
         ),
     ),
     Method(
@@ -146,7 +136,7 @@ ROWS = (
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.AFFINE_MAPS,
         main=("field",),
-        parameters=(FIELD, _solver("Binds in less time, but frames are slow")),
+        parameters=(FIELD, solver("Binds in less time, but frames are slow")),
     ),
     Method(
         id="rotation_invariant_coordinates",

@@ -72,11 +72,11 @@ class Changes:
         placed: list[object] = [placement.fingerprint(evaluated.matrix_world), *_driven(obj, evaluated)]
         controls = []
         for index, deformer in enumerate(obj.sinew.deformers):
-            control = kinds.kind_in_use(deformer).read_state(deformer, self._depsgraph)
+            method = deformer.definition
+            control = kinds.kind_of_method(method).read_state(deformer, self._depsgraph)
             controls.append(control)
             for place in control:
                 placed.append(place and place.fingerprint)
-            method = deformer.definition
             if method.keyed and deformer.keys:
                 placed.append(self._depsgraph.scene.frame_current_final)
             if (method.references or method.wraps) and index < len(evaluated.sinew.deformers):

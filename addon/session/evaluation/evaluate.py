@@ -205,7 +205,7 @@ def _update_object(
             continue
         if shows is None:
             if refined_group.is_refining(modifier):
-                refined.update(shared, modifier, chain)
+                refined.update(shared, modifier, chain, changed)
             chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
             continue
         if entered is not None:

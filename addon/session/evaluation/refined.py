@@ -17,12 +17,15 @@ from ..targets import refined_group
 _shown: dict[str, np.ndarray] = remember({})  # the control points, by the token of the places
 
 
-def update(shared: ObjectEvaluation, modifier: NodesModifier, chain: Chain) -> None:
-    """Let a refined mesh follow what enters it. Where that is unknown, the control mesh is shown."""
+def update(shared: ObjectEvaluation, modifier: NodesModifier, chain: Chain, changed: bool) -> None:
+    """Let a refined mesh follow what enters it. Where that is unknown, the control mesh is shown.
+
+    ``changed``: whether more than controls may have changed, such as other modifiers.
+    """
     obj = shared.obj
     if not shared.in_viewport or obj.library is not None:
         return
-    if refined.keep_incoming(obj, modifier):  # what entered it was not kept in this evaluation
+    if changed and refined.keep_incoming(obj, modifier):  # what entered it was not kept in this evaluation
         sessions.note_count(obj.name)
     try:
         points, refusal = _refined(shared, modifier, chain)

@@ -10,7 +10,6 @@ from bpy.types import Context, GizmoGroup, Object
 from bpy.utils import register_classes_factory
 
 from ... import compat
-from ...core.geometry import frames
 from ...operators import ring
 from ...properties import SinewDeformer
 from ...session.controls.cage import smooth
@@ -82,14 +81,17 @@ class SINEW_GGT_smooth_cage(OverViewports, GizmoGroup):
         self.curves = self.gizmos.new(SINEW_GT_lines.bl_idname)
         self.curves.kind, self.curves.color, self.curves.alpha = "LINES", _SMOOTH, 0.9
         self.curves.hide_select = True
+        self.shown: np.ndarray | None = None
 
     def draw_prepare(self, context: Context) -> None:
         deformer = active_deformer(context)
         curves = None if deformer is None else smooth.curves(deformer)
-        self.curves.lines = ()
+        if curves is not self.shown:
+            self.shown, self.curves.lines = curves, ()
+            if curves is not None:
+                self.curves.lines = (np.stack((curves[:, :-1], curves[:, 1:]), axis=2).reshape(-1, 3),)
         if curves is not None:
-            pairs = np.stack((curves[:, :-1], curves[:, 1:]), axis=2).reshape(-1, 3)
-            self.curves.lines = (frames.transformed(np.array(deformer.id_data.matrix_world), pairs),)
+            self.curves.world = deformer.id_data.matrix_world.copy()
 
 
 register, unregister = register_classes_factory((SINEW_GGT_marks, SINEW_GGT_smooth_cage))

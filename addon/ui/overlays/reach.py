@@ -34,21 +34,25 @@ def rings(row: SinewControl, depsgraph: Depsgraph) -> list[np.ndarray]:
 
 
 class SINEW_GT_lines(Gizmo):
-    """Lines of the world, which nothing can be done with. ``kind``: LINE_STRIP; LINES, which are the pairs of
-    their points; or TRIS, the discs that they enclose.
+    """Lines, which nothing can be done with, in the frame ``world``. ``kind``: LINE_STRIP; LINES, which are
+    the pairs of their points; or TRIS, the discs that they enclose. What is drawn is made once per ``lines``.
     """
 
     bl_idname = "SINEW_GT_lines"
-    __slots__ = ("kind", "lines")
+    __slots__ = ("drawn", "kind", "lines", "shapes", "world")
 
     def setup(self) -> None:
         self.kind = "LINE_STRIP"
         self.lines: Sequence[np.ndarray] = ()
+        self.drawn, self.shapes, self.world = self.lines, [], Matrix.Identity(4)
 
     def draw(self, _context: Context) -> None:
-        for line in self.lines:
-            shape = self.new_custom_shape(self.kind, (_disc(line) if self.kind == "TRIS" else line).tolist())
-            self.draw_custom_shape(shape, matrix=Matrix.Identity(4))
+        if self.drawn is not self.lines:
+            flat = [(_disc(line) if self.kind == "TRIS" else line).tolist() for line in self.lines]
+            self.shapes = [self.new_custom_shape(self.kind, points) for points in flat]
+            self.drawn = self.lines
+        for shape in self.shapes:
+            self.draw_custom_shape(shape, matrix=self.world)
 
 
 def _disc(line: np.ndarray) -> np.ndarray:

@@ -20,6 +20,8 @@ constexpr double usual_share = 0.8;
 constexpr int most_trials = 3;
 /// A share of sum w |p_i - p_j|^2: with less energy, the rounding of a solve in single precision would show.
 constexpr double nearly_rigid = 1e-9;
+/// What iterations may leave of a step, and of the first solve for the positions: an estimate before the last cycle.
+constexpr double step_error = 0.1, start_error = 1e-4;
 
 } // namespace
 
@@ -144,7 +146,7 @@ void ArapProblem::turn_rotation_field()
         kernels_.torques(view_, chunk, S, before.data(),
                          torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
     });
-    graph_.rotation_factor().solve(torque, torque);
+    graph_.solve_rotations(torque, torque, step_error, *progress_);
     const int turned = current_ == kept_ ? spare(current_) : current_;
     for_each_moving([&](const GraphChunk& chunk) {
         const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
@@ -216,7 +218,7 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
 
 void ArapProblem::precondition(const Points& gradient, Points& z) const
 {
-    graph_.position_factor().solve(gradient, z);
+    graph_.solve_positions(gradient, z, step_error, *progress_);
 }
 
 bool ArapProblem::improve(Points& x, Points& gradient, double& F)
@@ -323,7 +325,7 @@ void ArapProblem::global_step(Points& x)
         const double F = energy_and_gradient(gradient);
         if (k > 0 && F > nearly_rigid * graph_.rest_scale())
             break; // the next step takes what the first solve has left
-        graph_.position_factor().solve(gradient, gradient);
+        graph_.solve_positions(gradient, gradient, start_error, *progress_);
         x -= gradient;
         move_to(x);
     }

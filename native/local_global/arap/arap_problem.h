@@ -55,6 +55,9 @@ public:
     /// Fits the rotation of each cell to the positions alone, without smoothing.
     void local_step(const Points& x);
 
+    /// Iterations that take the place of factors tick here; it must live as long as this.
+    void watch(const Progress& progress) { progress_ = &progress; }
+
     int free_count() const { return graph_.free_count(); }
 
     double evaluate(const Points& x, Points& gradient) override;
@@ -108,12 +111,15 @@ private:
     void turn_rotation_field();
     double energy_and_gradient(Points& gradient) const;
 
+    inline static const Progress silent_{};
+
     const ArapSystem& graph_;
     const ArapKernels& kernels_;
     const Points& pulls_;
     std::unique_ptr<ArapBuffers> own_buffers_;
     ArapBuffers& buffers_;
     const ClusterMotions* motions_ = nullptr;
+    const Progress* progress_ = &silent_;
     GraphView view_;
     int current_ = 0, kept_ = -1;
     bool fixed_cells_fitted_ = false, stale_ = false;

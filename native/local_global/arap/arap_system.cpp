@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/core/space/space_order.h"
+#include "native/local_global/graph/graph_iteration.h"
 
 #include <algorithm>
 #include <numeric>
@@ -49,6 +50,27 @@ std::vector<double> GraphCells::laplacian(const GraphEdges& edges) const
             add(j, i, mean * t.across[k]);
         }
     return entries;
+}
+
+std::vector<double> GraphCells::moments(const GraphEdges& edges, const Points& rest) const
+{
+    std::vector<double> moment(edges.size(), 0.0);
+    const auto square = [&](int i, int j) { return (rest.row(i) - rest.row(j)).squaredNorm(); };
+    for (int i = 0; !rims && i < edges.size(); ++i)
+        for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a)
+            moment[i] += 2.0 / 3.0 * rigidity[i] * edges.weights[a] * square(i, edges.neighbours[a]);
+    for (const GraphTriangle& t : triangles) {
+        double spread = 0.0;
+        for (int k = 0; k < 3; ++k)
+            spread += t.across[k] * square(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]);
+        for (int i : t.corner)
+            moment[i] += 2.0 / 3.0 * rigidity[i] * spread;
+    }
+    // A node without edges, or in a part that has shrunk to a point, needs a positive pivot, too.
+    const double least = 1e-12 * std::max(1e-280, *std::ranges::max_element(moment));
+    for (double& each : moment)
+        each += least;
+    return moment;
 }
 
 GraphChunks::GraphChunks(const GraphEdges& graph, const std::vector<GraphTriangle>& given, int moving_nodes,
@@ -103,10 +125,11 @@ struct ArapSystem::Parts
     std::vector<int> order;
     int moving_nodes = 0, present_nodes = 0;
 
-    Parts(const HandleGraph& graph, GraphCells own, const Points& rest)
+    Parts(const HandleGraph& graph, GraphCells own, const Points& rest, bool factorized)
         : given(graph), cells(std::move(own)), rest_scale(sum_of_squares(graph.edges(), cells, view(rest)))
     {
-        factorize(rest);
+        if (factorized)
+            factorize(rest);
         sort(rest);
         const std::vector<int> renamed = new_numbers(order);
         std::vector<int> free_renamed;
@@ -132,8 +155,6 @@ private:
         const double smoothing = cells.smoothing;
         const std::vector<double> laplacian = cells.laplacian(edges);
         std::vector<Eigen::Triplet<double>> L, M;
-        std::vector<double> moment(size, 0.0); // of each cell, 2/3 sum w |e|^2
-        const auto square = [&](int i, int j) { return (rest.row(i) - rest.row(j)).squaredNorm(); };
         for (int i = 0; i < size; ++i)
             for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a) {
                 const int j = edges.neighbours[a];
@@ -146,16 +167,7 @@ private:
                     M.emplace_back(i, j, -4 * smoothing * edges.weights[a] * cells.edge_rigidity(i, j));
                     M.emplace_back(i, i, 4 * smoothing * edges.weights[a] * cells.edge_rigidity(i, j));
                 }
-                if (!cells.rims)
-                    moment[i] += 2.0 / 3.0 * cells.rigidity[i] * edges.weights[a] * square(i, j);
             }
-        for (const GraphTriangle& t : cells.triangles) {
-            double spread = 0.0;
-            for (int k = 0; k < 3; ++k)
-                spread += t.across[k] * square(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]);
-            for (int i : t.corner)
-                moment[i] += 2.0 / 3.0 * cells.rigidity[i] * spread;
-        }
         for (const GraphPull& pull : given.pulls())
             L.emplace_back(given.place(pull.node), given.place(pull.node), pull.stiffness);
         SparseMatrix matrix(given.free_count(), given.free_count());
@@ -164,10 +176,9 @@ private:
             named([&] { position_factor.factorize(matrix); });
             return;
         }
-        // A node without edges, or in a part that has shrunk to a point, needs a positive pivot, too.
-        const double least = 1e-12 * std::max(1e-280, *std::ranges::max_element(moment));
+        const std::vector<double> moment = cells.moments(edges, rest);
         for (int i = 0; i < size; ++i)
-            M.emplace_back(i, i, moment[i] + least);
+            M.emplace_back(i, i, moment[i]);
         SparseMatrix field(size, size);
         field.setFromTriplets(M.begin(), M.end());
         // An ordering of all nodes is also one of the free nodes, if the others are left out.
@@ -224,9 +235,56 @@ private:
     }
 };
 
-ArapSystem::ArapSystem(const HandleGraph& graph, GraphCells cells, const Points& rest)
-    : ArapSystem(Parts(graph, std::move(cells), rest))
+ArapSystem::ArapSystem(const HandleGraph& graph, GraphCells cells, const Points& rest, bool factorized)
+    : ArapSystem(Parts(graph, std::move(cells), rest, factorized))
 {
+}
+
+ArapSystem::~ArapSystem() = default;
+ArapSystem::ArapSystem(ArapSystem&&) noexcept = default;
+ArapSystem& ArapSystem::operator=(ArapSystem&&) noexcept = default;
+
+void ArapSystem::iterate(const Points& rest, const ClusterMap& map, const ArapSystem& coarse)
+{
+    std::vector<GraphMatrix> matrices(is_smooth() ? 2 : 1);
+    GraphMatrix& positions = matrices.front();
+    positions = {free_count(), laplacian_, 1.0, std::vector<double>(free_count(), 0.0),
+                 &coarse.position_factor()};
+    for (const GraphPull& pull : nodes_.pulls())
+        positions.own[pull.node] += pull.stiffness;
+    if (is_smooth()) {
+        const GraphEdges& edges = nodes_.edges();
+        if (cells_.rims) {
+            turning_ = edges.weights;
+            for (int i = 0; i < size(); ++i)
+                for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a)
+                    turning_[a] *= cells_.edge_rigidity(i, edges.neighbours[a]);
+        }
+        matrices.back() = {size(), cells_.rims ? turning_ : laplacian_, 4 * cells_.smoothing,
+                           cells_.moments(edges, rest), &coarse.rotation_factor()};
+    }
+    iteration_ = std::make_unique<const GraphIteration>(nodes_.edges(), map, std::move(matrices));
+}
+
+std::int64_t ArapSystem::factor_bytes() const
+{
+    return iteration_ ? iteration_->bytes() : position_factor_.bytes() + rotation_factor_.bytes();
+}
+
+void ArapSystem::solve_positions(const Points& b, Points& x, double error, const Progress& progress) const
+{
+    if (iteration_)
+        iteration_->solve(0, b, x, error, progress);
+    else
+        position_factor_.solve(b, x);
+}
+
+void ArapSystem::solve_rotations(const Points& b, Points& x, double error, const Progress& progress) const
+{
+    if (iteration_)
+        iteration_->solve(1, b, x, error, progress);
+    else
+        rotation_factor_.solve(b, x);
 }
 
 ArapSystem::ArapSystem(Parts&& parts)

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/progress.h"
 #include "native/core/types.h"
 #include "native/local_global/arap/arap_kernels.h"
+#include "native/local_global/graph/clusters.h"
 #include "native/local_global/graph/handle_graph.h"
 #include "native/solvers/single_factor.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace sinew {
@@ -23,6 +26,10 @@ struct GraphCells
     /// Minus the entries of L, one per directed edge: the weights times the rigidity of the cells that have
     /// the edge.
     std::vector<double> laplacian(const GraphEdges& edges) const;
+    /// What each cell has on the diagonal of the system of all rotations, 2/3 sum w |e|^2, raised so that it is
+    /// positive.
+    /// \param rest  (nodes, 3)
+    std::vector<double> moments(const GraphEdges& edges, const Points& rest) const;
 };
 
 /// The nodes of a graph in chunks, with their edges and triangles in the layout of ArapKernels. The first
@@ -45,6 +52,8 @@ struct GraphChunks
     int present() const { return all.empty() ? 0 : all.back().end; }
 };
 
+class GraphIteration;
+
 /// A weighted graph with the factors of its as-rigid-as-possible energy: that of the mesh, or of one level of
 /// the cascade. The nodes have other numbers than in the graph that it is made of: first come the free ones,
 /// then held ones with a free neighbour, then the other held ones, and last the idle ones. Within each of
@@ -53,8 +62,18 @@ class ArapSystem
 {
 public:
     /// \param rest  (nodes, 3)
+    /// \param factorized  whether it has factors; else iterate() has to be called before a solve.
     /// \throw FactorizationFailed
-    ArapSystem(const HandleGraph& graph, GraphCells cells, const Points& rest);
+    ArapSystem(const HandleGraph& graph, GraphCells cells, const Points& rest, bool factorized = true);
+    ~ArapSystem();
+    ArapSystem(ArapSystem&&) noexcept;
+    ArapSystem& operator=(ArapSystem&&) noexcept;
+
+    /// From now on, iterations take the place of the factors, see GraphIteration.
+    /// \param rest    (nodes, 3) in the order of the nodes.
+    /// \param coarse  the graph of the clusters of `map`, with factors; both must stay where they are.
+    void iterate(const Points& rest, const ClusterMap& map, const ArapSystem& coarse);
+    bool iterates() const { return iteration_ != nullptr; }
 
     const HandleGraph& nodes() const { return nodes_; }
     const GraphCells& cells() const { return cells_; }
@@ -72,7 +91,14 @@ public:
     const SingleFactor& position_factor() const { return position_factor_; }
     /// The factor of the system that moves all rotations together; empty without smoothing.
     const SingleFactor& rotation_factor() const { return rotation_factor_; }
-    std::int64_t factor_bytes() const { return position_factor_.bytes() + rotation_factor_.bytes(); }
+    std::int64_t factor_bytes() const; ///< or those of the iteration
+
+    /// X = L^-1 B on the free nodes.
+    /// \param error  what iterations may leave, as a share of the largest entry of X.
+    /// \throw NotConverged, Cancelled  only where iterations solve.
+    void solve_positions(const Points& b, Points& x, double error, const Progress& progress) const;
+    /// The same for the system of all rotations.
+    void solve_rotations(const Points& b, Points& x, double error, const Progress& progress) const;
 
     /// E of methods/surface/nonlinear/arap.h, divided by this, is a function whose Hessian L bounds.
     double energy_factor() const { return cells_.rims ? 6.0 : 4.0; }
@@ -93,6 +119,9 @@ private:
     double rest_scale_;
     std::vector<int> order_;
     GraphChunks chunks_;
+    std::vector<double>
+        turning_; ///< (edges) r_ij w_ij, only after iterate() with rims; else those are laplacian()
+    std::unique_ptr<const GraphIteration> iteration_; ///< after iterate()
 };
 
 } // namespace sinew

@@ -69,8 +69,8 @@ struct MotionClusters
 } // namespace
 
 RotationLevel::RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
-                             const Clusters& clusters)
-    : map(finer, clusters),
+                             const Clusters& clusters, const Progress& progress)
+    : map(finer, clusters, progress),
       graph(graph_of_clusters(finer, finer_rest, map),
             {.rigidity = map.restrict(cells.rigidity), .smoothing = cells.smoothing, .triangles = {}},
             map.restrict(view(finer_rest)))
@@ -80,18 +80,18 @@ RotationLevel::RotationLevel(const HandleGraph& finer, const GraphCells& cells, 
 }
 
 std::optional<RotationLevel> RotationLevel::coarser(const HandleGraph& finer, const GraphCells& cells,
-                                                    const Points& finer_rest)
+                                                    const Points& finer_rest, const Progress& progress)
 {
     int active = 0; // loose vertices and parts without a handle count nothing
     for (int i = 0; i < finer.size(); ++i)
         active += finer.is_idle(i) ? 0 : 1;
     if (active / coarsening < fewest_nodes)
         return {};
-    const Clusters clusters(finer, finer_rest, active / coarsening);
+    const Clusters clusters(finer, finer_rest, active / coarsening, progress);
     if (clusters.seeds.size() > worthwhile * active)
         return {};
     try {
-        return RotationLevel(finer, cells, finer_rest, clusters);
+        return RotationLevel(finer, cells, finer_rest, clusters, progress);
     } catch (const OutOfMemory&) {
         throw;
     } catch (const FactorizationFailed&) {
@@ -118,8 +118,12 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
     levels_.reserve(most_levels); // so that `graph` may point into it
     // Where no node is free, nothing needs a start.
     while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels) {
-        progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
-        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points);
+        const double share = 0.6 + 0.4 * levels_.size() / most_levels;
+        const Progress within([&](double, const char* stage) {
+            progress.tick(share, stage);
+            return true;
+        });
+        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points, within);
         if (!level)
             break;
         levels_.push_back(std::move(*level));

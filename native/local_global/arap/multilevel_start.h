@@ -23,14 +23,14 @@ struct RotationLevel
     Points rest; ///< (nodes, 3)
 
     /// \param finer_rest  (finer nodes, 3)
-    /// \throw FactorizationFailed
+    /// \throw FactorizationFailed, Cancelled
     RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
-                  const Clusters& clusters);
+                  const Clusters& clusters, const Progress& progress);
 
     /// The level above a graph with an eighth of its nodes; none if there would be too few, or nearly as
     /// many, or if it cannot be factorised.
     static std::optional<RotationLevel> coarser(const HandleGraph& finer, const GraphCells& cells,
-                                                const Points& finer_rest);
+                                                const Points& finer_rest, const Progress& progress = {});
 };
 
 /// Where the handles want the held and the pulled nodes of a graph.

@@ -19,6 +19,7 @@ namespace sinew {
 namespace {
 
 constexpr double hat_radius = 1.6; ///< how far the shares of a cluster reach, in cluster radii
+constexpr int seeds_per_tick = 512;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 using Entry = std::pair<double, int>;
@@ -81,7 +82,8 @@ SurfaceFrame frame_of(const HandleGraph& graph, const Points& rest)
 
 } // namespace
 
-Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : label(graph.size(), -1)
+Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted, const Progress& progress)
+    : label(graph.size(), -1)
 {
     const SurfaceFrame frame = frame_of(graph, rest);
     unit = frame.size;
@@ -94,6 +96,8 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
     std::vector<double> distance(graph.size(), infinite);
     const auto add = [&](int seed) {
         const int id = static_cast<int>(seeds.size());
+        if (id % seeds_per_tick == 0)
+            progress.tick(0.0, "clustering");
         seeds.push_back(seed);
         distance[seed] = 0.0;
         label[seed] = id;
@@ -132,7 +136,8 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
 
 /// The share of a cluster at a node is the square of a hat function of the node's distance from the seed
 /// along the edges; at every node the shares are divided by their sum.
-ClusterMap::ClusterMap(const HandleGraph& graph, const Clusters& clusters) : label_(clusters.label)
+ClusterMap::ClusterMap(const HandleGraph& graph, const Clusters& clusters, const Progress& progress)
+    : label_(clusters.label)
 {
     collect_nodes(static_cast<int>(clusters.seeds.size()));
 
@@ -142,6 +147,8 @@ ClusterMap::ClusterMap(const HandleGraph& graph, const Clusters& clusters) : lab
     std::vector<int> touched;
     for (int s = 0; s < cluster_count(); ++s) {
         const int seed = clusters.seeds[s];
+        if (s % seeds_per_tick == 0)
+            progress.tick(0.0, "clustering");
         distance[seed] = 0.0;
         touched = {seed};
         grow(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/progress.h"
 #include "native/core/types.h"
 #include "native/local_global/graph/handle_graph.h"
 
@@ -27,14 +28,16 @@ struct Clusters
 
     /// \param rest     (nodes, 3) where the nodes are.
     /// \param wanted   number of clusters; there may be more, as each part of each region has one at least.
-    Clusters(const HandleGraph& graph, const Points& rest, int wanted);
+    /// \throw Cancelled
+    Clusters(const HandleGraph& graph, const Points& rest, int wanted, const Progress& progress = {});
 };
 
 /// Takes values from the nodes of a graph to its clusters and back.
 class ClusterMap
 {
 public:
-    ClusterMap(const HandleGraph& graph, const Clusters& clusters);
+    /// \throw Cancelled
+    ClusterMap(const HandleGraph& graph, const Clusters& clusters, const Progress& progress = {});
 
     int cluster_count() const { return static_cast<int>(members_.size()) - 1; }
     /// The cluster of each node, -1 for idle nodes.

@@ -2,6 +2,7 @@
 #include "native/mesh/remeshing/isotropic_remeshing.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/core/parallel.h"
 #include "native/mesh/remeshing/cgal_mesh.h"
 #include "native/mesh/trees/triangle_tree.h"
@@ -270,7 +271,7 @@ Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std
         triangles += 0.5 * (q - p).cross(r - p).norm() / (std::sqrt(3.0) / 4.0 * length * length);
         splits += longest / (length * length);
     }
-    const std::string told = "length: " + std::to_string(std::ranges::min(lengths));
+    const std::string told = "length: " + shortest(std::ranges::min(lengths));
     if (splits > most_splits)
         throw InvalidOption(told + " is too short for the longest edges");
     if (triangles > most_triangles)

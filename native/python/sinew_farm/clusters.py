@@ -4,9 +4,11 @@
 import importlib
 import logging
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 
 import dask.config
+import psutil
 from distributed.deploy import Cluster
 from distributed.system import MEMORY_LIMIT
 
@@ -55,8 +57,10 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
         return made(
             n_workers=size.workers,
             threads_per_worker=1,
-            dashboard_address=dashboard,
+            processes=False,
+            protocol="tcp://",
             host="127.0.0.1",
+            dashboard_address=dashboard,
             silence_logs=logging.ERROR,
             **limits,
         )
@@ -72,6 +76,14 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
     cluster = made(processes=1, worker_extra_args=[*further, "--nthreads", "1"], **cores, **memory)
     cluster.scale(size.workers)
     return cluster
+
+
+def end(cluster: Cluster) -> None:
+    """Ends a cluster, with the bakes of workers that are threads of this process."""
+    for bake in psutil.Process().children(recursive=True):
+        with suppress(psutil.NoSuchProcess):
+            bake.kill()
+    cluster.close()
 
 
 def _class(kind: str) -> type[Cluster]:

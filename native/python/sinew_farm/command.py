@@ -81,7 +81,7 @@ def _bake(asked: argparse.Namespace) -> None:
         shot.Engine(connect, tell, asked.wait, asked.tries).bake(wanted, size)
     finally:
         if cluster:
-            cluster.close()
+            clusters.end(cluster)
 
 
 def _frames(text: str) -> range:

@@ -129,7 +129,8 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
                 const double share = found.maxCoeff() / wanted[0] * stop.tolerance / first;
                 if (done.count > 0) {
                     const double rate = std::pow(share, 1.0 / done.count);
-                    found *= std::min(cautious * rate, 1.0) / std::max(1 - rate, slowest);
+                    found *= (stop.adds_estimate ? std::min(cautious * rate, 1.0) : 1.0) /
+                             std::max(1 - rate, slowest);
                 }
             }
         }
@@ -137,7 +138,7 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
         done.reached = (load > 0).select(found / wanted.max(1e-300), 0.0).maxCoeff() * stop.tolerance;
         if (!busy.any()) {
             done.converged = true;
-            if (stop.together && done.count > 0)
+            if (stop.adds_estimate)
                 parallel_for(n, [&](int i) { x[i] += z[i]; }, grain);
             break;
         }

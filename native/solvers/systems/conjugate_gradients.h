@@ -28,8 +28,9 @@ struct Stop
     /// B that is very close to A^-1.
     bool by_error = false;
     /// Whether the errors of all columns are compared with the largest x of all, and count as much as all steps to come,
-    /// which shrink as those before did. The last B r is added to x.
+    /// which shrink as those before did.
     bool together = false;
+    bool adds_estimate = false; ///< whether x ends with the last B r, from which the error was estimated
 };
 
 /// What the iteration of four columns came to.

@@ -2,6 +2,7 @@
 #include "native/solvers/systems/linear_solver.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/solvers/multigrid/cycles.h"
@@ -19,7 +20,6 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 namespace sinew {
@@ -28,14 +28,6 @@ namespace {
 
 constexpr double wrong = 1e-2; ///< share of the right side that a solution leaves only of a singular system
 constexpr int most_cycles = 500;
-
-std::string short_number(double x)
-{
-    std::ostringstream text;
-    text.precision(2);
-    text << x;
-    return text.str();
-}
 
 class Clock
 {
@@ -141,8 +133,8 @@ Solve iterated(const LinearSystem& system, const SolverOptions& options, bool by
             report.iterations = std::max(report.iterations, done.count);
             if (!done.converged)
                 throw NotConverged("max_iterations: after " + std::to_string(done.count) +
-                                   " iterations the tolerance of " + short_number(stop.tolerance) +
-                                   " is not met, but " + short_number(done.reached));
+                                   " iterations the tolerance of " + shortest(stop.tolerance, 2) +
+                                   " is not met, but " + shortest(done.reached, 2));
             const auto count = std::min<Eigen::Index>(4, b.cols() - first);
             for (Eigen::Index i = 0; i < b.rows(); ++i)
                 x.row(i).segment(first, count) = found[i].head(count).transpose().matrix();
@@ -186,7 +178,7 @@ Preconditioner incomplete(const SparseMatrix& A, bool may_shift, SolutionReport&
         if (!may_shift)
             broken("; choose shifted_incomplete_cholesky or jacobi");
         report.why +=
-            "; the incomplete factor broke down, so the diagonal was raised by " + short_number(shift);
+            "; the incomplete factor broke down, so the diagonal was raised by " + shortest(shift, 2);
     }
     const std::int64_t entries = factor->matrixL().nonZeros();
     report.fill = static_cast<double>(entries) / (0.5 * static_cast<double>(A.nonZeros() + A.cols()));
@@ -436,7 +428,7 @@ RowMatrix solve_linear(const LinearSystem& system, const RowMatrix& B, const Sol
     const double most = std::max(wrong, 10 * options.tolerance); // of a coarse tolerance the user knows
     if (report.solver == Solver::multigrid ? !(work < most) : report.residual > most)
         throw FactorizationFailed("the matrix is singular up to rounding: |b - A x| / |b| is " +
-                                  short_number(report.residual));
+                                  shortest(report.residual, 2));
     if (options.error_bound) {
         SolutionReport unread;
         const auto inverse = [&](const VectorX& v) { return VectorX(solve(v, unread).col(0)); };

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 import sinew_native as sn
 
 from .. import limits
-from ..meshes import STILL, ends, grid, messy
+from ..meshes import STILL, ends, grid, joined, messy, off, spread, turn
 from ..programs import output_of
 
 POSES = np.stack([STILL, [[0.8, -0.6, 0, 3], [0.6, 0.8, 0, -2], [0, 0, 1, 40]]])
@@ -66,6 +66,36 @@ def test_the_multigrid_is_chosen_by_the_limit_and_refuses_by_name_what_it_cannot
     for options in ({"variation": 1}, {"stretching": painted}):
         with pytest.raises(sn.InvalidOption, match=f"solver: {next(iter(options))} .*multigrid"):
             bound(mesh, solver="multigrid", **options)
+
+
+@pytest.mark.parametrize("options", [{}, {"cells": "rims"}, {"smoothness": 0.01}], ids=repr)
+@pytest.mark.parametrize("regions", [{}, {"weights": [1.0, 0.6]}], ids=repr)
+@pytest.mark.parametrize("mesh", [grid(60), joined(grid(40), messy())], ids=["hill", "messy"])
+def test_natural_bend_on_the_multigrid_ends_in_the_shape_of_the_factor(mesh, regions, options) -> None:
+    surface, rigid = sn.SurfaceMesh(*mesh), np.stack([POSES[1]] * 2)
+    bent = np.stack([STILL, turn((0, 1, 0), 40, (20, 0, 0))])
+    options = options | {"tolerance": 1e-5, "max_iterations": 200}  # so that both come to the end
+    exact, method = (sn.Arap(surface, solver=solver, **options) for solver in ("factor", "multigrid"))
+    remarks = [each.set_handles(ends(mesh[0], 2.6), **regions).remarks for each in (exact, method)]
+    assert (remarks[0], remarks[1][0][:35]) == ([], "solved by iterations on a multigrid")
+    (truth, by_factor), (moved, report) = exact.solve(bent), method.solve(bent)
+    assert off(moved, truth) < 1e-4 * spread(*mesh)
+    assert report.energy == pytest.approx(by_factor.energy, 1e-5)
+    assert off(method.solve(rigid)[0], exact.solve(rigid)[0]) < 1e-7 * spread(*mesh)
+    with limits.threads(1):
+        np.testing.assert_array_equal(method.solve(bent)[0], moved)
+
+
+def test_natural_bend_takes_the_multigrid_by_the_limit_and_refuses_by_name_what_it_cannot() -> None:
+    mesh = grid(150)
+    with limits.memory(385 * len(mesh[0])):
+        assert "the memory limit is" in bound(mesh, method="Arap")[1].remarks[0]
+        with pytest.raises(sn.OutOfMemory, match="the factor needs"):
+            bound(mesh, method="Arap", solver="factor")
+    with limits.memory(1_000_000), pytest.raises(sn.OutOfMemory, match=r"needs .* and the multigrid needs"):
+        bound(mesh, method="Arap")
+    with pytest.raises(sn.InvalidOption, match="solver: point_handles must be 0 for the multigrid"):
+        bound(mesh, method="Arap", solver="multigrid", point_handles=0.5)
 
 
 LARGE = """

@@ -40,7 +40,7 @@ def of_mesh(obj: bpy.types.Object) -> dict[str, np.ndarray]:
 
 
 def assert_as_blender(obj: bpy.types.Object, tolerance: float = TOLERANCE) -> None:
-    """What is shown is what the Subdivision modifier shows without Fast Subdivision."""
+    """What is shown is what the modifier shows without Fast Subdivision; at one vertex to this tolerance."""
     own, (by, ours) = of_mesh(obj), (obj.modifiers["Subdivision"], obj.modifiers["Fast Subdivision"])
     assert (by.show_viewport, by.show_render, ours.show_render) == (False, True, False)
     by.show_viewport, ours.show_viewport = True, False
@@ -48,7 +48,9 @@ def assert_as_blender(obj: bpy.types.Object, tolerance: float = TOLERANCE) -> No
     by.show_viewport, ours.show_viewport = False, True
     size = np.linalg.norm(np.ptp(own["points"], axis=0))
     assert np.array_equal(own["corners"], blenders["corners"])
-    assert np.abs(own["points"] - blenders["points"]).max() < tolerance * size
+    *apart, farthest = np.sort(np.abs(own["points"] - blenders["points"]).max(axis=1))
+    assert max(apart) < TOLERANCE * size
+    assert farthest < tolerance * size
     assert np.abs(own["normals"] - blenders["normals"]).max() < 1e-4  # rounded corners of short edges
     for name in ("materials", "uvs", "weights"):
         assert np.array_equal(own[name], blenders[name])
@@ -88,7 +90,8 @@ def test_shapes_are_those_of_the_modifier(shape, way: str, level: int):
     scenes.press(obj, "fast_subdivision")
     scenes.move_world(lattice, Matrix.Diagonal((1.0, 0.6, 1.4, 1.0)) @ scenes.some_motion())
     # The end of an endless crease, as in test_subdivision.
-    assert_as_blender(obj, TOLERANCE * (10.0 if WAYS[way].get("use_limit_surface") else 1.0))
+    is_off = shape is prism and WAYS[way].get("use_limit_surface", False)
+    assert_as_blender(obj, TOLERANCE * (10.0 if is_off else 1.0))
 
 
 def test_an_affine_motion_of_the_control_mesh_is_one_of_the_surface():

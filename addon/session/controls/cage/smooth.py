@@ -16,12 +16,14 @@ _LEVELS, _MANY = 3, 1000  # of more faces, curves are as coarse as one level mak
 _NO_CREASES = ((np.zeros((0, 2), dtype=np.int32), np.zeros(0)), (np.zeros(0, dtype=np.int32), np.zeros(0)))
 # By the token of a rest: what refines the cage, and the refined vertices along each edge (edges, k).
 _refined: dict[str, tuple[RefinedSurface, np.ndarray]] = remember({})
+_drawn: dict[str, tuple[np.ndarray, np.ndarray]] = remember({})  # by the same: points, and their curves
 
 
 def curves(deformer: SinewDeformer) -> np.ndarray | None:
     """Curves (edges, k, 3) in the frame of the target, float32, for the pose that the target shows.
 
-    None without a cage that is smooth. Cost: what refining a mesh like the cage takes.
+    None without a cage that is smooth. The array is the same one until the pose changes. Cost, where it
+    has changed: what refining a mesh like the cage takes.
     """
     session, rest = sessions.find(deformer.uid), deformer.cage_rest
     if session is None or session.bound is None or rest is None:
@@ -33,7 +35,11 @@ def curves(deformer: SinewDeformer) -> np.ndarray | None:
     if token not in _refined:
         _refined[token] = _along_edges(rest)
     surface, along = _refined[token]
-    return surface.refine(points)[along] if len(points) == surface.control_count else None
+    if len(points) != surface.control_count:
+        return None
+    if token not in _drawn or _drawn[token][0] is not points:
+        _drawn[token] = points, surface.refine(points)[along]
+    return _drawn[token][1]
 
 
 def _along_edges(rest: Mesh) -> tuple[RefinedSurface, np.ndarray]:

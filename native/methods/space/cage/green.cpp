@@ -262,7 +262,12 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
             moved.push_back(moved_in(x[i]));
         }
     }
-    rows = found.weights;
+    constexpr Eigen::Index strip = 16; // columns whose transpose fits into the nearest cache
+    rows.resize(found.weights.rows(), wide());
+    for (Eigen::Index c = 0; c < rows.cols(); c += strip) {
+        const Eigen::Index some = std::min(strip, rows.cols() - c);
+        rows.middleCols(c, some) = found.weights.middleCols(c, some);
+    }
     if (!moved.empty()) {
         integrate(moved, again);
         for (std::size_t k = 0; k < touching.size(); ++k) {
@@ -277,7 +282,8 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
         const Eigen::Index point = static_cast<Eigen::Index>(i);
         auto row = rows.row(point);
         const double times = std::round(found.winding[point]), factor = times == 0.0 ? 1.0 : 1.0 / times;
-        row *= factor;
+        if (factor != 1.0)
+            row *= factor;
         outside[i] = times < 1.0;
         if (patches_.count() == 0) {
             if (times == 0.0)

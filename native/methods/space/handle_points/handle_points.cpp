@@ -27,7 +27,7 @@ void require_weights(const std::vector<double>& weights, Eigen::Index points)
                                 std::to_string(points) + " points");
     for (const double weight : weights)
         if (!(weight > 0.0 && weight <= 1.0))
-            throw InvalidOption("weights: " + std::to_string(weight) + " is not in (0, 1]");
+            throw InvalidOption("weights: " + shortest(weight) + " is not in (0, 1]");
 }
 
 HandlePoints::HandlePoints(PointsView points, std::vector<int> counts, std::vector<double> weights)

@@ -8,6 +8,7 @@
 #include "native/local_global/arap/higher_order.h"
 #include "native/local_global/arap/mesh_graph.h"
 #include "native/local_global/arap/multilevel_start.h"
+#include "native/local_global/graph/graph_iteration.h"
 #include "native/mesh/frames/normal_frame.h"
 #include "native/mesh/frames/surface_frame.h"
 #include "native/operators/laplacian.h"
@@ -124,16 +125,23 @@ struct Binding
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
 
-    /// \param rest  (n, 3) in units of `unit`
-    Binding(const RestGraph& mesh, double unit, const Points& rest, const Regions& regions,
+    /// \param rest      (n, 3) in units of `unit`
+    /// \param iterates  whether to do without the factors of the mesh.
+    Binding(const RestGraph& mesh, double unit, const Points& rest, const Regions& regions, bool iterates,
             const Progress& progress)
-        : unit(unit), graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3)
+        : unit(unit), graph(mesh.held_by(regions), mesh.cells, rest, !iterates), node_rest(rest.rows(), 3)
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
         for (int i = 0; i < graph.chunks().present(); ++i)
             size = std::max(size, mesh.sizes[graph.order()[i]]);
         cascade = MultilevelStart(graph, node_rest, progress);
+        if (!iterates)
+            return;
+        if (cascade.levels().empty()) // so few vertices, or parts of so few, that nothing is coarser
+            graph = ArapSystem(mesh.held_by(regions), mesh.cells, rest);
+        else
+            graph.iterate(node_rest, cascade.levels().front().map, cascade.levels().front().graph);
     }
 
     /// \param mass  (n) of the vertices
@@ -144,6 +152,11 @@ struct Binding
         for (int v : graph.order())
             of_nodes.push_back(mass[v] / mean);
         higher.emplace(graph, lambda, std::move(of_nodes));
+    }
+
+    std::int64_t bytes() const
+    {
+        return graph.factor_bytes() + cascade.factor_bytes() + (higher ? higher->factor().bytes() : 0);
     }
 
     /// The points of the first `count` nodes.
@@ -199,20 +212,36 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
         self.assembled.emplace(mesh, options(), self.rigidity);
         self.degenerate_faces = degenerate_face_count(mesh);
     }
-    progress.tick(0.2, "factorising");
-    auto next = std::make_unique<Binding>(*self.assembled, self.unit, mesh.points(), regions, progress);
     const double lambda = options().point_handles;
-    if (lambda > 0 && next->graph.free_count() > 0)
-        next->smooth_points(lambda, divisible_mass(mesh, Discretization::cotan_voronoi));
+    std::unique_ptr<Binding> next;
+    const auto make = [&](bool iterates) {
+        progress.tick(0.2, iterates ? "building the multigrid" : "factorising");
+        if (iterates)
+            require_memory(GraphIteration::bytes_for(mesh.vertex_count()), "the multigrid");
+        next =
+            std::make_unique<Binding>(*self.assembled, self.unit, mesh.points(), regions, iterates, progress);
+        if (lambda > 0 && next->graph.free_count() > 0)
+            next->smooth_points(lambda, divisible_mass(mesh, Discretization::cotan_voronoi));
+    };
+    const auto free = static_cast<int>(std::ranges::count(regions.free_vertices(), true));
+    const std::string why =
+        bind_by(options().solver,
+                {.free = free,
+                 .factor_bytes = (self.assembled->cells.smoothing > 0 ? 1.5 : 1.0) * factor_bytes(free, 1),
+                 .unsuited = lambda > 0 ? "point_handles must be 0 for the multigrid" : "",
+                 .factorize = [&] { make(false); },
+                 .iterate = [&] { make(true); }});
     progress.tick(1.0, "bound");
 
     self.bound = std::move(next);
-    self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
+    if (!self.bound->graph.iterates())
+        self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
+    else
+        report.remarks.push_back(iteration_remark(static_cast<int>(self.bound->cascade.levels().size()) + 1,
+                                                  self.bound->bytes(), why));
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.bound->graph.factor_bytes() + self.bound->cascade.factor_bytes();
-    if (self.bound->higher)
-        report.factor_bytes += self.bound->higher->factor().bytes();
+    report.factor_bytes = self.bound->bytes();
 }
 
 void Arap::swap_binding(SurfaceMethod& other)
@@ -246,6 +275,16 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         return {.converged = true};
     }
     ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+    double reached = 0.0; // by the steps; the iterations within one only ask whether to go on
+    const Progress steps([&](double share, const char* stage) {
+        request.progress.tick(reached = share, stage);
+        return true;
+    });
+    const Progress within([&](double, const char* stage) {
+        request.progress.tick(reached, stage);
+        return true;
+    });
+    problem.watch(within);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
     if (request.start) {
@@ -266,9 +305,9 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         if (!request.start)
             higher.global_step(fine.x);
         options.plain_steps = 4;
-        report = minimize(higher, fine.x, options, request.progress, &fine.descent);
+        report = minimize(higher, fine.x, options, steps, &fine.descent);
     } else {
-        report = minimize(problem, fine.x, options, request.progress, &fine.descent);
+        report = minimize(problem, fine.x, options, steps, &fine.descent);
     }
     report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);

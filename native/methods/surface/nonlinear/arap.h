@@ -3,6 +3,7 @@
 
 #include "native/core/hidden.h"
 #include "native/core/options.h"
+#include "native/handles/system_solver.h"
 #include "native/methods/surface/method.h"
 
 #include <string>
@@ -18,6 +19,7 @@ struct ArapOptions
     double point_handles = 0.0;
     int max_iterations = 40;
     double tolerance = 1e-3;
+    SystemSolver solver = SystemSolver::automatic;
 
     static constexpr auto table()
     {
@@ -40,7 +42,8 @@ struct ArapOptions
                    "lambda: how smooth the surface is also at handles of a single vertex, instead of a "
                    "spike [Oehri, Herholz & Sorkine-Hornung 2025]; with 'spokes' only. The energy of a "
                    "report is then (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i with r the gradient of E / "
-                   "4 at all vertices and masses m whose mean is 1")};
+                   "4 at all vertices and masses m whose mean is 1"),
+            solver_option(&O::solver)};
     }
 };
 constexpr auto choices(ArapOptions::Cells)
@@ -85,9 +88,14 @@ constexpr auto choices(ArapOptions::Cells)
 ///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
 ///                                                twice the order), and those of the cascade; the first call
 ///                                                also computes the weights
+///   set_handles()  another set of handles        with the multigrid half of that: the factors of the cascade
 ///   solve()        the handles moved             as much as two or three iterations for the start, then its
 ///                                                iterations: two solves for x, y and z, n rotation fits and
 ///                                                a motion of clusters each
+///
+/// With the multigrid each of these solves takes 1 to 4 cycles between the mesh and the first level of the cascade
+/// (GraphIteration), so a frame takes some three times as long. Its shape differs from that of the factor by less than
+/// 1e-4 of the size. It cannot do point_handles > 0.
 class Arap : public SurfaceMethodWith<ArapOptions>
 {
 public:

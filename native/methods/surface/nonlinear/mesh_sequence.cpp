@@ -2,11 +2,11 @@
 #include "native/methods/surface/nonlinear/mesh_sequence.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/core/system/jobs.h"
 
 #include <atomic>
 #include <cmath>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -30,12 +30,7 @@ void require_number(double frame)
         throw InvalidConstraint("frame: not a finite number");
 }
 
-std::string named(double frame)
-{
-    std::ostringstream text;
-    text << "frame " << frame << ": ";
-    return text.str();
-}
+std::string named(double frame) { return "frame " + shortest(frame) + ": "; }
 
 } // namespace
 

@@ -73,9 +73,11 @@ CageGeometry::CageGeometry(const Cage& cage, const std::vector<char>& without)
         }
         for (int k = 0; k < 3; ++k)
             triangle.cosines[k] = outward[(k + 1) % 3].dot(outward[(k + 2) % 3]);
-        // Above this height h, the sum for T in MeanValue loses 1e-16 / h of the integral, times these
-        // factors: less than 1e-12 of it.
-        triangle.near = 3e-4 * *std::max_element(triangle.inverse_height, triangle.inverse_height + 3);
+        // The sum for T in MeanValue has terms of at most the size of the side over its distance. So above this
+        // height h, a weight loses 1e-16 / h, times the longest side over the least height of the triangle:
+        // less than 1e-12 of the sum of all weights, which is at least 4 pi.
+        triangle.near =
+            3e-4 * longest * *std::max_element(triangle.inverse_height, triangle.inverse_height + 3);
         triangles_.push_back(triangle);
         kept_.push_back(t);
     }

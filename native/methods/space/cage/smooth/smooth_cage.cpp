@@ -136,14 +136,23 @@ void SmoothCage::fold(RowMatrix& rows) const
 void add_product(const RowMatrix& rows, Eigen::Index first, const SparseRows& matrix,
                  Eigen::Ref<RowMatrix> sums)
 {
-    for (Eigen::Index k = 0; k < matrix.rows(); ++k)
-        for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-            const double factor = rows(i, first + k);
-            if (factor == 0.0)
+    // Some rows at a time, so that each entry of the matrix meets numbers that lie side by side.
+    constexpr Eigen::Index together = 8;
+    Eigen::Array<double, together, 1> factors;
+    Eigen::Array<double, together, Eigen::Dynamic> part(together, sums.cols());
+    for (Eigen::Index i = 0; i < rows.rows(); i += together) {
+        const Eigen::Index some = std::min(together, rows.rows() - i);
+        part.setZero();
+        factors.setZero();
+        for (Eigen::Index k = 0; k < matrix.rows(); ++k) {
+            factors.head(some) = rows.col(first + k).segment(i, some).array();
+            if ((factors == 0.0).all())
                 continue;
             for (SparseRows::InnerIterator entry(matrix, k); entry; ++entry)
-                sums(i, entry.col()) += factor * entry.value();
+                part.col(entry.col()) += factors * entry.value();
         }
+        sums.middleRows(i, some) += part.topRows(some).matrix();
+    }
 }
 
 } // namespace sinew

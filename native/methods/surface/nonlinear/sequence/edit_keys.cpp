@@ -2,6 +2,7 @@
 #include "native/methods/surface/nonlinear/sequence/edit_keys.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/handles/map_blend.h"
 
 #include <Eigen/Geometry>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <string>
 
 namespace sinew {
@@ -18,13 +18,6 @@ namespace {
 
 constexpr double full_turn = 2 * std::numbers::pi;
 constexpr double off_diagonal = std::numbers::sqrt2; ///< so that the norm of six numbers is that of S
-
-std::string number(double value)
-{
-    std::ostringstream text;
-    text << value;
-    return text.str();
-}
 
 /// The rotation vector of R that is nearest to another one.
 Vector3 nearest_turn(const Matrix3& R, const Vector3& before)
@@ -91,7 +84,7 @@ EditKeys::EditKeys(const std::vector<EditKey>& keys)
         for (std::size_t k = 1; k < some.size(); ++k)
             if (some[k].frame == some[k - 1].frame)
                 throw InvalidOption("keys: handle " + std::to_string(some[k].handle) +
-                                    " has two keys at frame " + number(some[k].frame));
+                                    " has two keys at frame " + shortest(some[k].frame));
         tracks_.push_back(track_of(some));
     }
 }

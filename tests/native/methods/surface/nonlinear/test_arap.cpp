@@ -25,6 +25,7 @@ SurfaceTraits traits()
                            Fixture::maker({.smoothness = smoothness, .cells = cells}), smooth ? 2 : 1,
                            !smooth});
         }
+    all.push_back({"multigrid", Fixture::maker({.solver = SystemSolver::multigrid}), 2, false});
     all.push_back({"point handles", Fixture::maker({.point_handles = 0.3}), 3, false});
     SurfaceTraits made = Fixture::nonlinear("Arap", all);
     made.iterative = true;
