@@ -14,7 +14,7 @@ namespace sinew {
 ///   automatic  factor; multigrid where the factor takes more memory than limit_memory() allows, or without a limit than
 ///              the machine has
 ///   factor     a Cholesky factor, computed once: a frame takes two triangular solves
-///   multigrid  iterations in each frame, in a fifth of the memory
+///   multigrid  iterations in each frame, in a fifth of the memory for a bi-Laplacian, in three fifths for a Laplacian
 enum class SystemSolver { automatic, factor, multigrid };
 constexpr auto choices(SystemSolver)
 {

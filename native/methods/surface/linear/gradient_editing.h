@@ -68,11 +68,11 @@ struct GradientEditingOptions
 ///                                                distances O(n log n) per handle
 ///   solve()        the handles moved             one solve for x, y and z, and one map per triangle
 ///   set_handles()  another set of handles        with the multigrid a hierarchy, O(n); two where a cotangent
-///                                                weight is negative; and the fields, some 8 iterations
-///   solve()        the handles moved             with the multigrid some 8 iterations
+///                                                weight is negative; and the fields, 2 to 6 iterations
+///   solve()        the handles moved             with the multigrid 2 to 6 iterations
 ///
-/// Bind and first frame are quicker on the multigrid from some 100,000 vertices on, every further frame is slower
-/// (docs/developer/decisions/multigrid-on-graphs.md). The system of a solve needs the factor.
+/// At a million vertices bind and first frame take 13 to 27 % less work on the multigrid, every further frame takes
+/// three to six times as much (docs/developer/decisions/multigrid-on-graphs.md). The system of a solve needs the factor.
 ///
 /// Affine motions of all handles together are reproduced. Translations have no influence on gradients: where
 /// handles are moved but not turned, the surface between them is sheared. Suits bends and twists of less than
