@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
@@ -21,6 +22,8 @@ constexpr std::array<float, degree> factors{1.00391310427285F, 1.04035811188593F
                                             1.38268869241000F};
 constexpr int powers = 16;               ///< steps of the power iteration
 constexpr float margin = 1.15F;           ///< of the bound over the largest eigenvalue that they find
+constexpr float close_bound =
+    2.1F;      ///< up to which Gershgorin's bound takes the place of that power iteration
 constexpr int transfer_steps = 2;        ///< that smooth what goes to the next level and back
 constexpr float transfer_damping = 0.6F;
 constexpr int cascade_steps = 8;         ///< on the finest level but one; more below
@@ -74,6 +77,19 @@ SparseMatrix assembled(const Level& level, int order, double membrane)
     return with_pulls(sparse_product(L.transpose(), inverse, L) + membrane * square);
 }
 
+/// Gershgorin's bound of the eigenvalues of an A of order 1 with the diagonal 1: 2 where no weight is negative.
+float circle_bound(const Level& level)
+{
+    float bound = 1.0F;
+    for (int i = 0; i < level.free; ++i) {
+        float sum = 0.0F;
+        for (int at = level.link_begin[i]; at < level.link_begin[i + 1]; ++at)
+            sum += std::abs(level.links[at].weight);
+        bound = std::max(bound, 1.0F + sum * level.inverse_diagonal[i]);
+    }
+    return bound;
+}
+
 } // namespace
 
 Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierarchy.levels.size())
@@ -84,7 +100,8 @@ Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierar
             each->assign(hierarchy.levels[l].nodes, Four::Zero());
         for (std::vector<Wide>* each : {&work.x, &work.other})
             each->assign(hierarchy.levels[l].nodes, Wide::Zero());
-        work.largest = margin * largest_eigenvalue(l);
+        const float bound = circle_bound(hierarchy.levels[l]);
+        work.largest = hierarchy.order == 1 && bound <= close_bound ? bound : margin * largest_eigenvalue(l);
     }
     const Level& last = hierarchy.levels.back();
     try {

@@ -224,7 +224,7 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
                 throw NotConverged("the multigrid diverges on this mesh; choose the factor");
             parallel_for(free, [&](int i) { to[i] = size * (*found)[i]; });
         };
-        Stop stop{tolerance, most_iterations, true, true};
+        Stop stop{tolerance, most_iterations, true, true, true};
         for (int restart = 0;; ++restart) {
             find_residual();
             const Iteration done =
@@ -238,7 +238,12 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
                     "the multigrid stalls on this mesh: after " + std::to_string(solution.iterations) +
                     " iterations its error is not below 5e-5 of the move; choose the factor, or "
                     "repair or remesh the surface");
+            if (hierarchy.order == 1) { // rounding makes no other solution of it
+                find_residual();
+                break;
+            }
             stop.tolerance = restarted * tolerance;
+            stop.adds_estimate = false;
         }
         const Wide left = size_of(r);
         solution.norms.load += std::pow(largest / hierarchy.scale * loads.matrix().norm(), 2);

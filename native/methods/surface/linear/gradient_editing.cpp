@@ -100,14 +100,16 @@ void GradientEditing::bind(const Regions& regions, BindReport& report, const Pro
         bound.system.factorize(std::move(L), regions, complete);
     };
     const auto iterate = [&] {
-        LinearSystem system = laplacian();
-        const bool apart = harmonic && make_weights_positive(system.graph);
+        LinearSystem system = laplacian(), positive;
+        if (harmonic)
+            positive = system;
+        const bool apart = harmonic && make_weights_positive(positive.graph);
         if (apart) {
-            ConstrainedSystem positive;
-            positive.iterate(std::move(system), regions, part_of(progress, 0.2, 0.7));
-            find_fields(positive);
-            system = laplacian();
+            ConstrainedSystem of_fields;
+            of_fields.iterate(std::move(positive), regions, part_of(progress, 0.2, 0.7));
+            find_fields(of_fields);
         }
+        positive = {};
         bound.system.iterate(std::move(system), regions,
                              apart ? part_of(progress, 0.8, 1.0) : part_of(progress, 0.2, 0.7), complete);
     };

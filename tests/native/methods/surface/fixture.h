@@ -65,7 +65,7 @@ public:
         EXPECT_EQ(reached, 1.0);
         const Solution first = solve(method, moved);
         EXPECT_NEAR(first.report.energy, truth.report.energy, 1e-3 * truth.report.energy);
-        for (const int stop : {1, 20, 100}) {
+        for (const int stop : {1, 20, 30}) {
             int ticks = 0;
             const Progress stops([&](double, const char*) { return ++ticks < stop; });
             EXPECT_THROW(solve(method, moved, {.progress = stops}), Cancelled);
