@@ -24,8 +24,7 @@ using Eigen::Array4d;
 constexpr int grain = 2048;
 constexpr double singular = 1e-14; ///< a smallest eigenvalue below this share of the largest is rounding
 constexpr double slowest = 0.02;   ///< what an error loses in a step where it hardly shrinks
-constexpr double cautious =
-    4; ///< as many times what the last correction leaves of the error, by what others left
+constexpr double cautious = 4; ///< times the share that corrections leave counts for the last one
 constexpr double endless = 1e8;    ///< growth of what the tolerance is compared with
 
 /// Two sums and a largest value over the unknowns, by columns.
@@ -129,7 +128,7 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
                 const double share = found.maxCoeff() / wanted[0] * stop.tolerance / first;
                 if (done.count > 0) {
                     const double rate = std::pow(share, 1.0 / done.count);
-                    found *= (stop.adds_estimate ? std::min(cautious * rate, 1.0) : 1.0) /
+                    found *= (stop.counts_what_is_left ? std::min(cautious * rate, 1.0) : 1.0) /
                              std::max(1 - rate, slowest);
                 }
             }

@@ -31,6 +31,8 @@ struct Stop
     /// which shrink as those before did.
     bool together = false;
     bool adds_estimate = false; ///< whether x ends with the last B r, from which the error was estimated
+    bool counts_what_is_left =
+        false; ///< of the error together, after that: a share of it where others left little
 };
 
 /// What the iteration of four columns came to.
