@@ -105,6 +105,8 @@ WORKS = (
          "blender.frames", (100_000,), {ANY: 10.0}),
     Work("rebind_handle", "adding a handle in Blender, `thin_shell`", "a new bind",
          "blender.frames", (100_000,), {ANY: 2.0}),
+    Work("frame_subdivision", "a frame of *Fast Subdivision*, less `refine`", "its bare write",
+         "blender.frames", (100_000,), {ANY: 1.3}, at_most=True),
     Work("windows", "the module for Windows, under Wine", "the same on Linux",
          "windows.library", (50_000,), {ANY: 1.3}, at_most=True),
 )  # fmt: skip

@@ -183,19 +183,20 @@ def dragged() -> Iterator[None]:
 
 
 timed = partial(timeit, number=1)  # the seconds of a call
-NATIVE: list[float] = []  # the seconds of native solves
+SPENT: dict[str, float] = {}  # the seconds in functions, by their names, until it is cleared
 
 
-def count_native_solves() -> None:
-    factor = room("backend.native").Factor
-    solve = factor.solve
+def count(owner: object, name: str) -> None:
+    """Let SPENT tell how long the calls of a function take."""
+    call = getattr(owner, name)
 
     def counted(*arguments, **keywords):
         answer = []
-        NATIVE.append(timed(lambda: answer.append(solve(*arguments, **keywords))))
+        seconds = timed(lambda: answer.append(call(*arguments, **keywords)))
+        SPENT[name] = SPENT.get(name, 0.0) + seconds
         return answer[0]
 
-    factor.solve = counted
+    setattr(owner, name, counted)
 
 
 def medians(ours: Frames, peer: Frames, rounds: int) -> dict[str, float]:
@@ -203,8 +204,9 @@ def medians(ours: Frames, peer: Frames, rounds: int) -> dict[str, float]:
     rounds, warm = (1, 1) if SMALL else (rounds, 3)
     times: dict[str, list[float]] = {"ours": [], "peer": [], "native_ms": [], "around_ms": []}
     for number in range(rounds + warm):
-        NATIVE.clear()
-        spent, native, other = timed(partial(ours, number)), sum(NATIVE), timed(partial(peer, number))
+        SPENT.clear()
+        spent, native = timed(partial(ours, number)), SPENT.get("solve", 0.0)
+        other = timed(partial(peer, number))
         if number >= warm:
             for name, value in zip(times, (spent, other, 1e3 * native, 1e3 * (spent - native))):
                 times[name].append(value)
@@ -292,6 +294,29 @@ def rebind() -> dict[str, float]:
     return {name: float(np.median(values)) for name, values in times.items()}
 
 
+def subdivision_frame() -> dict[str, float]:
+    """What a frame of Fast Subdivision takes but for ``refine`` and the lattice, next to its bare write."""
+    obj, times, names = (
+        plate(20 if SMALL else 129),
+        [],
+        ("update", "_update_deformer", "refine", "write_positions"),
+    )
+    bpy.ops.sinew.lattice_add()
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 3
+    bpy.ops.sinew.fast_subdivision()
+    evaluate, refined = (room(f"session.evaluation.{name}") for name in ("evaluate", "refined"))
+    owners = evaluate, evaluate, room("backend.surfaces").RefinedSurface, refined
+    for owner, name in zip(owners, names):
+        count(owner, name)
+    for number in range(1 if SMALL else 30):
+        SPENT.clear()
+        obj.sinew.active.controls[0].object.matrix_world @= motion(number)
+        update()
+        whole, lattice, refine, write = (SPENT[name] for name in names)
+        times.append((whole - lattice - refine, write))
+    return dict(zip(("ours", "peer"), map(float, np.median(times, axis=0))))
+
+
 ROWS: dict[str, Callable[[], dict[str, float]]] = {
     "frame_thin_shell": lambda: frame("thin_shell", 1),
     "frame_arap": lambda: frame("arap", 3),
@@ -299,11 +324,12 @@ ROWS: dict[str, Callable[[], dict[str, float]]] = {
     "frame_cage": lambda: cage_frame("mean_value"),
     "first_thin_shell": lambda: first_frame("thin_shell"),
     "rebind_handle": rebind,
+    "frame_subdivision": subdivision_frame,
 }
 
 
 def main() -> None:
-    count_native_solves()
+    count(room("backend.native").Factor, "solve")
     about = {"vertices": SIDE * SIDE, "blender": bpy.app.version_string}
     rows = [{"work": work, **about, **measure()} for work, measure in ROWS.items()]
     Path(sys.argv[-1]).write_text(json.dumps(rows), encoding="utf-8")

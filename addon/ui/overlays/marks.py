@@ -90,7 +90,7 @@ class SINEW_GGT_smooth_cage(OverViewports, GizmoGroup):
             self.shown, self.curves.lines = curves, ()
             if curves is not None:
                 self.curves.lines = (np.stack((curves[:, :-1], curves[:, 1:]), axis=2).reshape(-1, 3),)
-        if curves is not None:
+        if deformer is not None:
             self.curves.world = deformer.id_data.matrix_world.copy()
 
 

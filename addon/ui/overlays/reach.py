@@ -44,7 +44,9 @@ class SINEW_GT_lines(Gizmo):
     def setup(self) -> None:
         self.kind = "LINE_STRIP"
         self.lines: Sequence[np.ndarray] = ()
-        self.drawn, self.shapes, self.world = self.lines, [], Matrix.Identity(4)
+        self.drawn: Sequence[np.ndarray] = self.lines  # what the shapes were made of
+        self.shapes: list[object] = []
+        self.world = Matrix.Identity(4)
 
     def draw(self, _context: Context) -> None:
         if self.drawn is not self.lines:

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/core/progress_part.h"
 #include "native/local_global/graph/rotations.h"
 
 #include <Eigen/Geometry>
@@ -119,11 +120,8 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
     // Where no node is free, nothing needs a start.
     while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels) {
         const double share = 0.6 + 0.4 * levels_.size() / most_levels;
-        const Progress within([&](double, const char* stage) {
-            progress.tick(share, stage);
-            return true;
-        });
-        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points, within);
+        auto level =
+            RotationLevel::coarser(graph->nodes(), graph->cells(), *points, part_of(progress, share, share));
         if (!level)
             break;
         levels_.push_back(std::move(*level));

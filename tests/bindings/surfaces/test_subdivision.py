@@ -11,6 +11,8 @@ from .. import limits
 from ..cages import CUBE, OUTLINE, QUADS
 from ..meshes import messy, moved, off, quad_grid, sphere
 
+SHEET, CELLS = quad_grid(3, 2)
+
 
 def over(points, faces, **options) -> sn.SubdivisionSurface:
     return sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), **options)
@@ -124,11 +126,6 @@ def test_polygons_borders_creases_and_corners_follow_the_published_rules_to_the_
     assert state[0].shape == plain.shape == own.shape
 
 
-def masks(points: np.ndarray, faces: np.ndarray, **sharp) -> np.ndarray:
-    """How the limit of each vertex of triangles is made of all of them (n, n)."""
-    return over(points, faces, scheme="loop", level=0, limit=True, **sharp).matrix.toarray()
-
-
 @pytest.mark.parametrize("n", [3, 4, 5, 8])
 def test_limits_of_triangles_are_those_of_the_published_masks(n: int) -> None:
     """C. Loop 1987, where n faces meet at vertex 0."""
@@ -137,23 +134,8 @@ def test_limits_of_triangles_are_those_of_the_published_masks(n: int) -> None:
     fans = [np.insert(ring, 0, 0, axis=1), np.insert(ring[:, ::-1], 0, n + 1, axis=1)]
     beta = (5 / 8 - (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2) / n
     own = 1 / (1 + 8 * n * beta / 3)
-    loop = masks(points, np.concatenate(fans))
+    loop = over(points, np.concatenate(fans), scheme="loop", level=0, limit=True).matrix.toarray()
     np.testing.assert_allclose(loop[0], [own, *np.full(n, (1 - own) / n), 0], atol=1e-13)
-
-
-SHEET, CELLS = quad_grid(3, 2)
-
-
-@pytest.mark.parametrize(
-    ("sharp", "expected"),
-    [
-        ({"creases": ([(0, 2), (0, 3)], 10.0)}, [2 / 3, 0, 1 / 6, 1 / 6, 0, 0]),
-        ({"creases": ([(0, 2), (0, 3), (0, 4)], 10.0)}, [1, 0, 0, 0, 0, 0]),
-        ({"corners": ([0], 10.0)}, [1, 0, 0, 0, 0, 0]),
-    ],
-)
-def test_limits_of_creases_and_corners_of_triangles_are_those_of_curves(sharp: dict, expected: list) -> None:
-    np.testing.assert_allclose(masks(*sphere(0), **sharp)[0], expected, atol=1e-14)
 
 
 def test_limits_of_triangles_are_where_many_levels_lead() -> None:

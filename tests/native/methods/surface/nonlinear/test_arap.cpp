@@ -38,4 +38,9 @@ SurfaceTraits traits()
 // More of it is in tests/bindings/surfaces/test_nonlinear.py.
 INSTANTIATE_TEST_SUITE_P(Arap, SurfaceContract, testing::Values(traits()));
 
+TEST(Arap, on_the_multigrid_ends_within_a_product_when_cancelled_and_begins_from_a_shape)
+{
+    Fixture::on_the_multigrid({.solver = SystemSolver::factor}, {.solver = SystemSolver::multigrid});
+}
+
 } // namespace sinew::test_arap
