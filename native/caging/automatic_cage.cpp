@@ -8,7 +8,7 @@
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/mesh/components.h"
 #include "native/mesh/diagnosis.h"
 #include "native/mesh/frames/normal_frame.h"

@@ -3,7 +3,6 @@
 
 #include "native/core/errors.h"
 
-#include <algorithm>
 #include <functional>
 #include <utility>
 
@@ -30,14 +29,5 @@ public:
 private:
     Callback callback_;
 };
-
-/// The progress of a part of the work, which takes the whole from one fraction to another.
-inline Progress part_of(const Progress& whole, double from, double to)
-{
-    return Progress([whole, from, to](double fraction, const char* stage) {
-        whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
-        return true;
-    });
-}
 
 } // namespace sinew

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/local_global/graph/rotations.h"
 
 #include <Eigen/Geometry>

@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/operators/laplacian.h"
 #include "native/solvers/shared_analyses.h"
 

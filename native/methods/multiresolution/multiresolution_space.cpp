@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/mesh/components.h"
 #include "native/solvers/shared_analyses.h"
 

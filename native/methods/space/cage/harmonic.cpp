@@ -2,7 +2,7 @@
 #include "native/methods/space/cage/harmonic.h"
 
 #include "native/core/errors.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/methods/space/cage/harmonic/boundary.h"
 #include "native/methods/space/cage/harmonic/data.h"
 #include "native/methods/space/cage/harmonic/grid.h"

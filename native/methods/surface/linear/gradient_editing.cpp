@@ -2,7 +2,7 @@
 #include "native/methods/surface/linear/gradient_editing.h"
 
 #include "native/core/memory.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/operators/laplacian.h"

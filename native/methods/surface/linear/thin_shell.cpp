@@ -2,7 +2,7 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/operators/painted.h"
 #include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"

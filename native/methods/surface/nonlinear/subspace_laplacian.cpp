@@ -6,7 +6,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/handles/constrained_system.h"
 #include "native/handles/handle_fields.h"
 #include "native/local_global/graph/clusters.h"

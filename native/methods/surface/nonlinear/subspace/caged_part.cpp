@@ -4,7 +4,7 @@
 #include "native/caging/automatic_cage.h"
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
-#include "native/core/progress.h"
+#include "native/core/progress_part.h"
 #include "native/mesh/frames/surface_frame.h"
 #include "native/methods/surface/substeps.h"
 
