@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/core/kept.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
+#include "native/core/system/kept.h"
 #include "native/mesh/components.h"
 #include "native/mesh/surface_mesh.h"
 

@@ -4,7 +4,7 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
 #include "native/bindings/options.h"
-#include "native/core/kept.h"
+#include "native/core/system/kept.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
