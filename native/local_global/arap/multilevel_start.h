@@ -25,7 +25,7 @@ struct RotationLevel
     /// \param finer_rest  (finer nodes, 3)
     /// \throw FactorizationFailed, Cancelled
     RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
-                  const Clusters& clusters, const Progress& progress);
+                  const Clusters& clusters, const Progress& progress = {});
 
     /// The level above a graph with an eighth of its nodes; none if there would be too few, or nearly as
     /// many, or if it cannot be factorised.
