@@ -128,6 +128,9 @@ def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     words = ["--workers", 2, "--blender", " ".join(BLENDER), *WORDS, tmp_path, "--objects", "Nobody"]
     assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4
     assert not list(tmp_path.glob("**/*.*"))
+    for kind, package in (("ssh", "asyncssh"), ("no_such:Cluster", "no-such")):
+        lacks = said(*FARM, "dask", shot, *WORDS, tmp_path, "--cluster", kind, code=1)
+        assert f"needs a package: pip install {package}" in lacks
     bakes = tmp_path / "bakes"  # for ever, but for the first frames, which are refused
     bakes.write_text(
         '#!/bin/sh\ncase "$*" in *--version) echo Blender 4.2;; *" 1-"*) exit 3;; *) sleep 9999; esac'

@@ -50,7 +50,6 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
     the first one runs the scheduler. Raises FarmError for an unknown kind, or one that is not installed.
     """
     made = _class(kind)
-    dask.config.set({"logging.distributed": "critical"})  # also of workers, which end with the scheduler
     memory = {"memory": f"{size.memory}GB"} if size.memory else {}
     if kind == "local":
         limits = {"memory_limit": memory["memory"]} if memory else {}
@@ -69,6 +68,7 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
         if not names:
             raise FarmError("--cluster ssh needs --hosts SCHEDULER,WORKER,WORKER...")
         limits = {"memory_limit": memory["memory"]} if memory else {}
+        logging.getLogger("distributed.deploy.ssh").setLevel(logging.ERROR)  # what other machines print
         return made(names, worker_options={"nthreads": 1, **limits})
     section = getattr(made, "config_name", kind)
     further = dask.config.get(f"jobqueue.{section}.worker-extra-args", None) or []
@@ -91,9 +91,11 @@ def _class(kind: str) -> type[Cluster]:
     if not name:
         raise FarmError(f"--cluster {kind}: known are {', '.join(CLUSTERS)}, and any MODULE:CLASS")
     try:
+        if kind == "ssh":
+            importlib.import_module("asyncssh")  # which Dask would miss later
         return getattr(importlib.import_module(module), name)
-    except ModuleNotFoundError:
-        package = module.partition(".")[0].replace("_", "-")
+    except ModuleNotFoundError as error:
+        package = str(error.name).partition(".")[0].replace("_", "-")
         raise FarmError(f"--cluster {kind} needs a package: pip install {package}") from None
     except AttributeError:
         raise FarmError(f"--cluster {kind}: {module} has no class {name}") from None
