@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from signal import SIGSEGV
 
@@ -124,13 +125,59 @@ def test_chunks_of_an_older_processor_say_so_and_are_not_mixed_unasked(shot: Pat
     said(*join, "--mixed")
 
 
+@pytest.fixture
+def ssh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """An SSH server of this machine, for the one key that the user has."""
+    folder, port = tmp_path / ".ssh", str(30_000 + os.getpid() % 10_000)
+    folder.mkdir()
+    Path("/run/sshd").mkdir(exist_ok=True)
+    said("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", folder / "id_ed25519")
+    public = (folder / "id_ed25519.pub").read_text()
+    for name, text in {
+        "known_hosts": f"[127.0.0.1]:{port} {public}",
+        "config": f"Host *\n  Port {port}\n",
+    }.items():
+        (folder / name).write_text(text)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    given = [
+        f"AuthorizedKeysFile={folder}/id_ed25519.pub",
+        "StrictModes=no",
+        "ListenAddress=127.0.0.1",
+        "PidFile=none",
+    ]
+    passed = ("PYTHONPATH", "BLENDER_USER_RESOURCES", "SINEW_ADDON_MODULE")
+    given.append("SetEnv=" + " ".join(f"{name}={os.environ[name]}" for name in passed))
+    options = [word for option in given for word in ("-o", option)]
+    with subprocess.Popen(
+        ["/usr/sbin/sshd", "-D", "-p", port, "-h", folder / "id_ed25519", *options]
+    ) as server:
+        yield ["--hosts", "127.0.0.1,127.0.0.1,127.0.0.1"]
+        server.kill()
+
+
+@pytest.fixture
+def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What Dask needs of SLURM: its jobs begin at once, on this machine."""
+    for name, does in {"sbatch": '(sh "$1" 2>&1 &) > log; echo Submitted batch job 1', "scancel": ""}.items():
+        (tmp_path / name).write_text(f"#!/bin/sh\ncd {tmp_path}; {does}\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    return ["--threads", "1", "--memory", "2"]
+
+
+@pytest.mark.parametrize("kind", ["ssh", "slurm"])
+def test_clusters_of_dask_bake_the_same(shot: Path, tmp_path: Path, kind: str, request) -> None:
+    how = ["--cluster", kind, "--workers", 2, "--blender", " ".join(BLENDER), *request.getfixturevalue(kind)]
+    said(*FARM, "dask", shot, *how, *WORDS, tmp_path)
+    assert same(shot, tmp_path)
+
+
 def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     words = ["--workers", 2, "--blender", " ".join(BLENDER), *WORDS, tmp_path, "--objects", "Nobody"]
     assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4
     assert not list(tmp_path.glob("**/*.*"))
-    for kind, package in (("ssh", "asyncssh"), ("no_such:Cluster", "no-such")):
-        lacks = said(*FARM, "dask", shot, *WORDS, tmp_path, "--cluster", kind, code=1)
-        assert f"needs a package: pip install {package}" in lacks
+    lacks = said(*FARM, "dask", shot, *WORDS, tmp_path, "--cluster", "no_such:Cluster", code=1)
+    assert "needs a package: pip install no-such" in lacks
     bakes = tmp_path / "bakes"  # for ever, but for the first frames, which are refused
     bakes.write_text(
         '#!/bin/sh\ncase "$*" in *--version) echo Blender 4.2;; *" 1-"*) exit 3;; *) sleep 9999; esac'

@@ -69,7 +69,10 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
             raise FarmError("--cluster ssh needs --hosts SCHEDULER,WORKER,WORKER...")
         limits = {"memory_limit": memory["memory"]} if memory else {}
         logging.getLogger("distributed.deploy.ssh").setLevel(logging.ERROR)  # what other machines print
-        return made(names, worker_options={"nthreads": 1, **limits})
+        try:
+            return made(names, worker_options={"nthreads": 1, **limits})
+        except (OSError, RuntimeError) as error:
+            raise FarmError(f"--cluster ssh: {error}") from None
     section = getattr(made, "config_name", kind)
     further = dask.config.get(f"jobqueue.{section}.worker-extra-args", None) or []
     cores = {"cores": size.threads} if size.threads else {}

@@ -5,6 +5,7 @@ Without a window there are no timers, threads and drags, so tests call the funct
 """
 
 import functools
+import gc
 import importlib
 import sys
 import time
@@ -159,11 +160,13 @@ def calls_of(action: Callable[[], object]) -> Counter:
         if is_counted and frame.f_globals.get("__name__", "").startswith(f"{installed.name()}."):
             found[name] += 1
 
+    gc.disable()  # Python 3.11.2 has crashed where a thread collected garbage among frames that are profiled
     sys.setprofile(note)
     try:
         action()
     finally:
         sys.setprofile(None)
+        gc.enable()
     return found
 
 
