@@ -11,6 +11,7 @@ COMPILERS = (*PYTHON, "python3.11-dev", "g++", "cmake", "ninja-build", "ccache",
 ALGEBRA = ("libsuitesparse-dev", "libopenblas-pthread-dev", "libeigen3-dev")
 BUILD = (*COMPILERS, *ALGEBRA, "libtbb-dev", "libgtest-dev", "libosd-dev", "libcgal-dev")
 WINE = ("wine", "wine64")  # runs Windows' programs
+SSH = ("openssh-client", "openssh-server")  # what workers of a cluster are started by
 QEMU = ("qemu-user-static",)  # runs Linux's programs for other processors
 GOOGLETEST = ("googletest",)  # its sources
 API = ("doxygen",)

@@ -139,7 +139,7 @@ def benchmarks(timeout: float) -> Outcome:
 
 def farm(timeout: float) -> Outcome:
     """Bakes of the installed extension in many processes, some of which are killed; sweeps of the module."""
-    debian.install(debian.NODE, debian.QEMU)
+    debian.install(debian.NODE, debian.QEMU, debian.SSH)
     build_tree("dev", "sinew_native")
     blender, junit = environments.newest_blender().make(), new_junit("farm")
     env = blenders.install_extension(blender, "farm")
