@@ -240,7 +240,7 @@ LAYERS = (
     Alone("blender-3.4", 3000, blender_3_4),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Alone("blender-5", 3000, blender_5),
-    Alone("farm", 600, farm),
+    Alone("farm", 900, farm),
     Alone("updates", 300, updates),
     Alone("gui", 1200, gui, waits=True),
     windows_layer("bindings", windows_tests.bindings),

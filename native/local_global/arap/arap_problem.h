@@ -111,7 +111,7 @@ private:
     void turn_rotation_field();
     double energy_and_gradient(Points& gradient) const;
 
-    inline static const Progress silent_{};
+    inline static const Progress silent{};
 
     const ArapSystem& graph_;
     const ArapKernels& kernels_;
@@ -119,7 +119,7 @@ private:
     std::unique_ptr<ArapBuffers> own_buffers_;
     ArapBuffers& buffers_;
     const ClusterMotions* motions_ = nullptr;
-    const Progress* progress_ = &silent_;
+    const Progress* progress_ = &silent;
     GraphView view_;
     int current_ = 0, kept_ = -1;
     bool fixed_cells_fitted_ = false, stale_ = false;

@@ -71,7 +71,7 @@ void GraphIteration::multiply(const Matrix& matrix, const Work& work, const std:
         matrix.rows,
         [&](int i) {
             Column sum = Column::Zero();
-            const Column own = x[i];
+            const Column& own = x[i];
             for (int a = offsets[i]; a < offsets[i + 1]; ++a) {
                 const int j = neighbours[a];
                 const auto w = static_cast<Scalar>(entries[a]);
