@@ -63,8 +63,6 @@ WORKS = (
          "nonlinear.pyramid", WITH_PEERS, {ANY: 1.5}, at_most=True),
     Work("primo_iteration", "one iteration of `Primo`", "one of `Arap` with smooth rotations",
          "nonlinear.primo", WITH_PEERS, {ANY: 2.5}, at_most=True),
-    Work("multiresolution_frame", "a frame of `Multiresolution`, by vectors", "`ThinShell.solve` of its base",
-         "surface.multiresolution", (40_000, 100_000)),
     Work("sequence_frame", "a frame of `MeshSequence`", "`Arap.solve` for the same poses",
          "surface.sequence", (10_000, 50_000), {ANY: 1.05}, at_most=True),
     Work("skeleton_pose", "the slowest of 30 poses by `Skeleton.solve`, 60 bones", "a limit of 30 ms",

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of what is built on other methods: multiresolution, mesh sequences, skeletons, subdivision."""
+"""Frames of what is built on other methods: mesh sequences, skeletons, subdivision."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import sinew_peers
-from cases import STILL, about, bar, bumpy_plate
+from cases import STILL, about, bar
 from record import Row
-from timing import Timed, alternate, compare, require_equal, rounds
+from timing import Timed, alternate, compare, require_equal
 
 import sinew_native
 
@@ -15,21 +15,6 @@ from .nonlinear import bound
 
 POSES, LIMIT = 30, 30e-3  # of the skeleton; seconds
 PINNED = 1e3
-SIZE_OF_BUMPS = 2 / 3
-
-
-def multiresolution(size: int, threads: Sequence[int]) -> list[Row]:
-    """Neither side has an affine basis, which makes a frame of both a product."""
-    case = bumpy_plate(size)
-    mesh = sinew_native.SurfaceMesh(case.points, case.faces)
-    wavelength = 2 * SIZE_OF_BUMPS / np.linalg.norm(case.points[1] - case.points[0])
-    base, alone = (sinew_native.ThinShell(mesh, affine_basis=False) for _ in range(2))
-    whole = sinew_native.Multiresolution(mesh, base, details="displacement_vectors", wavelength=wavelength)
-    for method in (whole, alone):
-        method.set_handles(case.handles)
-    ours, peer = lambda: whole.solve(case.poses), lambda: alone.solve(case.poses)
-    rows = compare(ours, peer, threads, least=rounds(size))
-    return [{"vertices": case.vertex_count, **row} for row in rows]
 
 
 def sequence(size: int, threads: Sequence[int]) -> list[Row]:
