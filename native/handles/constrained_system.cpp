@@ -59,30 +59,21 @@ VectorX diagonal_of(const LinearSystem& system)
 void ConstrainedSystem::factorize(std::shared_ptr<SparseMatrix> A, const Regions& regions,
                                   const std::function<void()>& completed, const Regions* wider)
 {
-    std::vector<Constraint> constraints = regions.constraints();
     std::vector<double> stiffness = add_pulls(regions, *A);
     const std::vector<bool> free = regions.free_vertices(),
                             more = wider ? wider->free_vertices() : std::vector<bool>{};
-
-    const ConstrainedQuadratic::Problem before = equations_.problem();
-    std::unique_ptr<const MultigridSolver> grid;
-    const auto exchange = [&] {
-        constraints_.swap(constraints);
-        stiffness_.swap(stiffness);
-        grid_.swap(grid);
-    };
-    exchange();
-    try {
-        equations_.factorize(std::move(A), free, more);
-        if (completed)
-            completed();
-    } catch (const std::exception&) {
-        exchange();
-        equations_.restore(before);
-        throw;
-    }
+    exchange(regions, std::move(stiffness), nullptr, [&] {
+        const ConstrainedQuadratic::Problem before = equations_.problem();
+        try {
+            equations_.factorize(std::move(A), free, more);
+            if (completed)
+                completed();
+        } catch (const std::exception&) {
+            equations_.restore(before);
+            throw;
+        }
+    });
     ++factorizations_;
-    frames_ = std::make_unique<Pool<Frame>>();
 }
 
 void ConstrainedSystem::iterate(LinearSystem system, const Regions& regions, const Progress& progress,
@@ -100,21 +91,28 @@ void ConstrainedSystem::iterate(LinearSystem system, const Regions& regions, con
     system.pulls = pulls(system.vertices);
     auto grid = std::make_unique<const MultigridSolver>(system, progress);
     system = {};
+    exchange(regions, std::move(stiffness), std::move(grid), completed);
+    equations_.restore({});
+}
+
+void ConstrainedSystem::exchange(const Regions& regions, std::vector<double> stiffness,
+                                 std::unique_ptr<const MultigridSolver> grid,
+                                 const std::function<void()>& completed)
+{
     std::vector<Constraint> constraints = regions.constraints();
-    const auto exchange = [&] {
+    const auto swap = [&] {
         constraints_.swap(constraints);
         stiffness_.swap(stiffness);
         grid_.swap(grid);
     };
-    exchange();
+    swap();
     try {
         if (completed)
             completed();
     } catch (const std::exception&) {
-        exchange();
+        swap();
         throw;
     }
-    equations_.restore({});
     frames_ = std::make_unique<Pool<Frame>>();
 }
 

@@ -107,6 +107,9 @@ private:
         ConstrainedQuadratic::Workspace work;
     };
 
+    /// Takes other constraints and another solver, and then calls `completed`; as before if it throws.
+    void exchange(const Regions& regions, std::vector<double> stiffness,
+                  std::unique_ptr<const MultigridSolver> grid, const std::function<void()>& completed);
     bool is_soft(std::size_t row) const { return row >= constraints_.size() - stiffness_.size(); }
     double stiffness(std::size_t row) const
     {

@@ -176,12 +176,7 @@ void GraphIteration::solve(int number, const Points& b, Points& x, double error,
         },
         load, work->load, work->solution,
         [&](const Columns& from, Columns& to) { cycle(matrix, *work, from, to); },
-        {.tolerance = error,
-         .most_iterations = most_iterations,
-         .by_error = true,
-         .together = true,
-         .adds_estimate = true},
-        progress);
+        {error, most_iterations, Measure::remaining}, progress);
     if (!done.converged)
         throw NotConverged(
             "the multigrid stalls on this mesh: after " + std::to_string(done.count) +

@@ -104,6 +104,8 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
     Iteration done;
     std::array<std::vector<double>, 4> alphas, betas;
     Array4d rz = Array4d::Zero(), alpha = Array4d::Zero();
+    const bool corrected = stop.measure == Measure::corrected;
+    const bool remaining = corrected || stop.measure == Measure::remaining;
     double first = 0.0;
     for (;; ++done.count) {
         B(r, z);
@@ -120,16 +122,15 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
             throw NotConverged("the iteration diverges: its numbers were no longer finite at iteration " +
                                std::to_string(done.count));
         Array4d wanted = stop.tolerance * load, found = sizes.first.sqrt();
-        if (stop.by_error) {
+        if (stop.measure != Measure::residual) {
             wanted = stop.tolerance * sizes.largest.max(after.largest);
             found = after.largest;
-            if (stop.together) {
+            if (remaining) {
                 wanted = wanted.maxCoeff();
                 const double share = found.maxCoeff() / wanted[0] * stop.tolerance / first;
                 if (done.count > 0) {
                     const double rate = std::pow(share, 1.0 / done.count);
-                    found *= (stop.counts_what_is_left ? std::min(cautious * rate, 1.0) : 1.0) /
-                             std::max(1 - rate, slowest);
+                    found *= (corrected ? std::min(cautious * rate, 1.0) : 1.0) / std::max(1 - rate, slowest);
                 }
             }
         }
@@ -137,7 +138,7 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
         done.reached = (load > 0).select(found / wanted.max(1e-300), 0.0).maxCoeff() * stop.tolerance;
         if (!busy.any()) {
             done.converged = true;
-            if (stop.adds_estimate)
+            if (remaining)
                 parallel_for(n, [&](int i) { x[i] += z[i]; }, grain);
             break;
         }
@@ -150,8 +151,8 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
         if (done.count == stop.most_iterations)
             break;
         const double way = std::log(first / stop.tolerance), gone = std::log(first / done.reached);
-        progress.tick(stop.together ? std::clamp(gone / way, 0.0, 1.0)
-                                    : static_cast<double>(done.count) / stop.most_iterations,
+        progress.tick(remaining ? std::clamp(gone / way, 0.0, 1.0)
+                                : static_cast<double>(done.count) / stop.most_iterations,
                       "iterating");
         // r_k . z_k+1 = r_k+1 . z_k+1 + alpha q_k . z_k+1
         const Array4d beta =

@@ -19,27 +19,28 @@ using Preconditioner = std::function<void(const Columns& r, Columns& z)>;
 /// y = A x on the unknowns.
 using Product = std::function<void(const Columns& x, Columns& y)>;
 
+/// What an iteration compares with its tolerance. B r is an estimate of the error where B is very close to A^-1.
+enum class Measure {
+    residual,  ///< r = b - A x with b
+    error,     ///< B r with x
+    remaining, ///< B r of all columns with the largest x of all, and with all steps to come, which shrink as
+    ///< those before did; x ends with the last B r added
+    corrected, ///< the same, and what is left after that addition counts: a share of B r where others left little
+};
+
 /// When an iteration ends.
 struct Stop
 {
     double tolerance = 1e-8;
     int most_iterations = 0;
-    /// Whether B r, an estimate of the error, is compared with x, or the residual r = b - A x with b. The first needs a
-    /// B that is very close to A^-1.
-    bool by_error = false;
-    /// Whether the errors of all columns are compared with the largest x of all, and count as much as all steps to come,
-    /// which shrink as those before did.
-    bool together = false;
-    bool adds_estimate = false; ///< whether x ends with the last B r, from which the error was estimated
-    bool counts_what_is_left =
-        false; ///< of the error together, after that: a share of it where others left little
+    Measure measure = Measure::residual;
 };
 
 /// What the iteration of four columns came to.
 struct Iteration
 {
     int count = 0;
-    double reached = 0.0;       ///< what the tolerance is compared with, of the worst column
+    double reached = 0.0; ///< what the tolerance is compared with, of the worst column
     bool converged = false;
     double least = 0.0, most = 0.0; ///< eigenvalues of B A, from the coefficients of the worst column
 };

@@ -115,14 +115,15 @@ Columns four_of(const RowMatrix& B, Eigen::Index first)
 }
 
 /// Runs an iteration for four columns at a time, each time from begin(b).
-Solve iterated(const LinearSystem& system, const SolverOptions& options, bool by_error, Preconditioner B,
+Solve iterated(const LinearSystem& system, const SolverOptions& options, Measure measure, Preconditioner B,
                std::function<void(const Columns& b, Eigen::Index first, Columns& x)> begin,
                const Progress& progress)
 {
     return [&system, &progress, B = std::move(B), begin = std::move(begin),
             stop = Stop{options.tolerance,
-                        by_error ? std::min(options.max_iterations, most_cycles) : options.max_iterations,
-                        by_error}](const RowMatrix& b, SolutionReport& report) {
+                        measure == Measure::error ? std::min(options.max_iterations, most_cycles)
+                                                  : options.max_iterations,
+                        measure}](const RowMatrix& b, SolutionReport& report) {
         RowMatrix x(b.rows(), b.cols());
         for (Eigen::Index first = 0; first < b.cols(); first += 4) {
             const Columns load = four_of(b, first);
@@ -297,9 +298,9 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
                         [&](const Wide&) -> const std::vector<Wide>& { return grid->cycles.descend(); });
     };
     if (options.cycle == Cycle::cascading)
-        return iterated(system, options, false, by_diagonal(system.matrix), begin, progress);
+        return iterated(system, options, Measure::residual, by_diagonal(system.matrix), begin, progress);
     return iterated(
-        system, options, true,
+        system, options, Measure::error,
         [grid, &report](const Columns& r, Columns& z) {
             const int raises = grid->cycles.raises();
             grid->apply(r, z,
@@ -320,12 +321,13 @@ Solve prepare(const LinearSystem& system, const SolverOptions& options, std::vec
         switch (options.preconditioner) {
         case Precondition::none:
             return iterated(
-                system, options, false, [](const Columns& r, Columns& z) { z = r; }, {}, progress);
+                system, options, Measure::residual, [](const Columns& r, Columns& z) { z = r; }, {},
+                progress);
         case Precondition::jacobi:
-            return iterated(system, options, false, by_diagonal(A), {}, progress);
+            return iterated(system, options, Measure::residual, by_diagonal(A), {}, progress);
         default:
             return iterated(
-                system, options, false,
+                system, options, Measure::residual,
                 incomplete(A, options.preconditioner == Precondition::shifted_incomplete_cholesky, report),
                 {}, progress);
         }

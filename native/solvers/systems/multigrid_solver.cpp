@@ -224,7 +224,7 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
                 throw NotConverged("the multigrid diverges on this mesh; choose the factor");
             parallel_for(free, [&](int i) { to[i] = size * (*found)[i]; });
         };
-        Stop stop{tolerance, most_iterations, true, true, true, true};
+        Stop stop{tolerance, most_iterations, Measure::corrected};
         for (int restart = 0;; ++restart) {
             find_residual();
             const Iteration done =
@@ -243,7 +243,7 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
                 break;
             }
             stop.tolerance = restarted * tolerance;
-            stop.adds_estimate = stop.counts_what_is_left = false;
+            stop.measure = Measure::remaining;
         }
         const Wide left = size_of(r);
         solution.norms.load += std::pow(largest / hierarchy.scale * loads.matrix().norm(), 2);
