@@ -92,7 +92,8 @@ float circle_bound(const Level& level)
 
 } // namespace
 
-Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierarchy.levels.size())
+Cycles::Cycles(const Hierarchy& hierarchy, int twice_from)
+    : hierarchy_(hierarchy), twice_from_(twice_from), work_(hierarchy.levels.size())
 {
     for (int l = 0; l < static_cast<int>(work_.size()); ++l) {
         Work& work = work_[l];
@@ -100,6 +101,8 @@ Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierar
             each->assign(hierarchy.levels[l].nodes, Four::Zero());
         for (std::vector<Wide>* each : {&work.x, &work.other})
             each->assign(hierarchy.levels[l].nodes, Wide::Zero());
+        if (is_twice(l))
+            work.first = work.x;
         const float bound = circle_bound(hierarchy.levels[l]);
         work.largest = hierarchy.order == 1 && bound <= close_bound ? bound : margin * largest_eigenvalue(l);
     }
@@ -285,7 +288,7 @@ void Cycles::cycle(int l)
     smooth(l);
     multiply(l, work.sum, work.middle, [&](int i, const Four& product) { work.r[i] = work.b[i] - product; });
     restrict_residual(l);
-    cycle(l + 1);
+    visit(l + 1);
     std::fill(work.other.begin() + level.free, work.other.end(), Wide(Wide::Zero()));
     prolong(l, work_[l + 1].x, work.x, work.other);
     const auto add = [&] {
@@ -299,7 +302,22 @@ void Cycles::cycle(int l)
     add();
 }
 
-const std::vector<Wide>* Cycles::v_cycle()
+/// x of a level for its b, which is used up.
+void Cycles::visit(int l)
+{
+    cycle(l);
+    if (!is_twice(l))
+        return;
+    Work& work = work_[l];
+    work.first = work.x;
+    multiply(l, work.x, work.other, [&](int i, const Wide& product) {
+        work.b[i] = (work.b[i].cast<double>() - product).cast<float>();
+    });
+    cycle(l);
+    parallel_for(hierarchy_.levels[l].free, [&](int i) { work.x[i] += work.first[i]; }, grain);
+}
+
+const std::vector<Wide>* Cycles::cycle()
 {
     constexpr int most_raises = 8;
     const Work& work = work_.front();
@@ -442,7 +460,8 @@ std::int64_t Cycles::bytes() const
 {
     std::int64_t sum = coarsest_.bytes();
     for (const Work& work : work_)
-        sum += static_cast<std::int64_t>(work.b.size() * (5 * sizeof(Four) + 2 * sizeof(Wide)));
+        sum += static_cast<std::int64_t>(work.b.size() * (5 * sizeof(Four) + 2 * sizeof(Wide)) +
+                                         work.first.size() * sizeof(Wide));
     return sum;
 }
 

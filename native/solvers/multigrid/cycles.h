@@ -38,20 +38,23 @@ struct HeldValues
 class Cycles
 {
 public:
-    /// \param hierarchy  must stay where it is.
+    static constexpr int never = 1000;
+    /// \param hierarchy   must stay where it is.
+    /// \param twice_from  the number of the finest level that a cycle visits twice, and so the next one four times:
+    ///   never makes V-cycles, 1 W-cycles.
     /// \throw FactorizationFailed  the operator on the coarsest level is singular.
-    explicit Cycles(const Hierarchy& hierarchy);
+    explicit Cycles(const Hierarchy& hierarchy, int twice_from = never);
 
     /// (nodes) b of the next cycle, on the free nodes of the finest level.
     std::vector<Four>& right_side() { return work_.front().b; }
 
-    /// x = one V-cycle for A x = b. Cost: nine products with A on each level. Smoothers whose bounds of eigenvalues are
+    /// x = one cycle for A x = b. Cost: nine products with A for each visit of a level. Smoothers whose bounds of eigenvalues are
     /// too small make a cycle that is not positive definite: then they are raised, and it begins again.
     /// \return (nodes) of the finest level, which the next call changes; null where no bounds help.
-    const std::vector<Wide>* v_cycle();
+    const std::vector<Wide>* cycle();
     int raises() const { return raises_; } ///< of the bounds, so far
 
-    /// Nested iteration, also called a full cycle: from the solution on the coarsest level through one V-cycle on each
+    /// Nested iteration, also called a full cycle: from the solution on the coarsest level through one cycle on each
     /// but the finest one. With the values of held nodes, no level begins with a jump beside them.
     /// \param held  empty where all are 0.
     std::vector<Wide> full_cycle(const HeldValues& held);
@@ -76,6 +79,7 @@ private:
     {
         std::vector<Four> b, r, step, middle, sum; ///< (nodes); zero on held nodes, but for middle
         std::vector<Wide> x, other; ///< (nodes); x is zero on held nodes
+        std::vector<Wide> first; ///< (nodes) x of the first of two visits, only there
         float largest = 0; ///< a bound of the eigenvalues of A with the diagonal 1
     };
 
@@ -88,7 +92,13 @@ private:
     void restrict_residual(int level);
     void prolong(int level, const std::vector<Wide>& coarse, std::vector<Wide>& x, std::vector<Wide>& other);
     void solve_coarsest();
+    /// The coarsest level is solved at once.
+    bool is_twice(int level) const
+    {
+        return level >= twice_from_ && level + 1 < static_cast<int>(work_.size());
+    }
     void cycle(int level);
+    void visit(int level);
     void restrict_all();
     template <class Body>
     void multiply_all(int level, const std::vector<Wide>& x, const std::vector<Wide>& beyond, Body&& body);
@@ -96,6 +106,7 @@ private:
     void steps_of_conjugate_gradients(int level, int count);
 
     const Hierarchy& hierarchy_;
+    int twice_from_;
     std::vector<Work> work_;
     SpdFactor coarsest_;
     RowMatrix columns_;

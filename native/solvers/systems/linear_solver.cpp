@@ -276,7 +276,7 @@ struct Multigrid
 /// \throw NotConverged  the operator is not positive definite, or too far from that.
 const std::vector<Wide>& definite(Cycles& cycles)
 {
-    if (const std::vector<Wide>* const x = cycles.v_cycle())
+    if (const std::vector<Wide>* const x = cycles.cycle())
         return *x;
     throw NotConverged("the V-cycle diverges on this system; choose cholesky");
 }

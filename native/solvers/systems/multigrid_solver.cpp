@@ -18,6 +18,7 @@ namespace sinew {
 namespace {
 
 constexpr double tolerance = 5e-5;
+constexpr int twice_from = 2; ///< these levels cost little, and a fifth of the iterations goes
 constexpr int most_iterations = 300;
 constexpr int most_restarts = 3; ///< from the residual of the solution, where rounding made another one of it
 constexpr double restarted = 2; ///< times the tolerance: an error that takes a restart
@@ -67,7 +68,7 @@ struct MultigridSolver::Impl
 
     Pool<Cycles>::Lease workspace() const
     {
-        return cycles.take([&] { return std::make_unique<Cycles>(hierarchy); });
+        return cycles.take([&] { return std::make_unique<Cycles>(hierarchy, twice_from); });
     }
 
     int free() const { return hierarchy.levels.front().free; }
@@ -219,7 +220,7 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
             const Wide size = size_of(from).max(1e-300); // so that single precision holds it
             std::vector<Four>& b = cycles->right_side();
             parallel_for(free, [&](int i) { b[i] = (from[i] / size).cast<float>(); });
-            const std::vector<Wide>* const found = cycles->v_cycle();
+            const std::vector<Wide>* const found = cycles->cycle();
             if (!found)
                 throw NotConverged("the multigrid diverges on this mesh; choose the factor");
             parallel_for(free, [&](int i) { to[i] = size * (*found)[i]; });
