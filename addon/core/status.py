@@ -4,6 +4,7 @@
 Nothing here is saved: the messages are computed again when a file is opened.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, Flag, auto
 
@@ -69,6 +70,11 @@ _refined: dict[str, Status] = remember({})
 _files: dict[str, tuple[Status, ...]] = remember({})
 _renders: dict[str, Status] = remember({})
 _unreported: dict[str, str] = remember({})
+
+
+def warnings_of(remarks: Iterable[str]) -> list[Status]:
+    """Remarks of the library, with capitals as everywhere in panels."""
+    return [Status(Level.WARNING, remark[:1].upper() + remark[1:]) for remark in remarks]
 
 
 def current(key: str) -> Status:

@@ -66,7 +66,9 @@ def draw_field(
         label = ""
     row = layout.row(align=True)
     if among is None:
-        row.prop(data, name, text=label, **looks)
+        # An empty text would take the names of a choice that is drawn as buttons.
+        texts = {"text": label} if label or "expand" not in looks else {}
+        row.prop(data, name, **texts, **looks)
     else:
         row.prop_search(data, name, *among, text=label, **looks)
     return row

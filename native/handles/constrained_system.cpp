@@ -260,7 +260,7 @@ void ConstrainedSystem::report(BindReport& report, const std::string& why) const
     report.factorizations = factorizations_;
     if (grid_) {
         report.factor_bytes = grid_->bytes();
-        report.remarks.push_back(iteration_remark(grid_->levels(), grid_->bytes(), why));
+        remark_iterations(report, why);
         return;
     }
     const SpdFactor& factor = equations_.factor();

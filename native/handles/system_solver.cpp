@@ -39,8 +39,8 @@ std::string bind_by(SystemSolver solver, const TwoWays& ways)
     if (solver == SystemSolver::multigrid && !no.empty())
         throw InvalidOption("solver: " + no + "; choose the factor");
     const bool may_choose = solver == SystemSolver::automatic && no.empty();
-    std::string why = solver == SystemSolver::multigrid ? "asked for" : may_choose ? too_large(ways) : "";
-    if (why.empty())
+    std::string why = may_choose ? too_large(ways) : "";
+    if (why.empty() && solver != SystemSolver::multigrid)
         try {
             ways.factorize();
             return {};
@@ -60,10 +60,11 @@ std::string bind_by(SystemSolver solver, const TwoWays& ways)
     return why;
 }
 
-std::string iteration_remark(int levels, std::int64_t bytes, const std::string& why)
+void remark_iterations(BindReport& report, const std::string& why)
 {
-    return "solved by iterations on a multigrid of " + std::to_string(levels) + " levels in " +
-           in_words(bytes) + ": " + why;
+    if (!why.empty())
+        report.remarks.push_back("solved by iterations on a multigrid in " + in_words(report.factor_bytes) +
+                                 ": " + why);
 }
 
 } // namespace sinew

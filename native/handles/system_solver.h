@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/options.h"
+#include "native/core/report.h"
 
 #include <cstdint>
 #include <functional>
@@ -45,13 +46,13 @@ struct TwoWays
 
 /// Binds a system the way that the option asks for. With `automatic`, the factor is not even begun where its estimate
 /// is beyond all doubt, and the multigrid takes its place where it does not fit.
-/// \return  why the multigrid was taken, for iteration_remark(); empty with the factor.
+/// \return  why the multigrid took the place of the factor, for remark_iterations(); empty where it did not, and where
+///   it was asked for.
 /// \throw InvalidOption  the multigrid is asked for and cannot solve the system.
 /// \throw OutOfMemory    nothing fits; the message names what both ways need.
 std::string bind_by(SystemSolver solver, const TwoWays& ways);
 
-/// "solved by iterations on a multigrid of 9 levels in 2.6 GB: ..."
-/// \param why  of bind_by().
-std::string iteration_remark(int levels, std::int64_t bytes, const std::string& why);
+/// "solved by iterations on a multigrid in 2.6 GB: ...", from the factor_bytes of the report, unless `why` is empty.
+void remark_iterations(BindReport& report, const std::string& why);
 
 } // namespace sinew

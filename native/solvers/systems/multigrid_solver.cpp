@@ -265,8 +265,6 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
 
 Eigen::Index MultigridSolver::rows() const { return static_cast<Eigen::Index>(impl_->vertices.size()); }
 
-int MultigridSolver::levels() const { return static_cast<int>(impl_->hierarchy.levels.size()); }
-
 std::int64_t MultigridSolver::bytes() const
 {
     const auto size_of = [](const auto& values) {

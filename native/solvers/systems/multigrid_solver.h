@@ -47,7 +47,6 @@ public:
                    const Progress& progress) const;
 
     Eigen::Index rows() const; ///< n
-    int levels() const;
     std::int64_t bytes() const; ///< of the solver and one workspace
 
 private:

@@ -76,8 +76,8 @@ def test_natural_bend_on_the_multigrid_ends_in_the_shape_of_the_factor(mesh, reg
     bent = np.stack([STILL, turn((0, 1, 0), 40, (20, 0, 0))])
     options = options | {"tolerance": 1e-5, "max_iterations": 200}  # so that both come to the end
     exact, method = (sn.Arap(surface, solver=solver, **options) for solver in ("factor", "multigrid"))
-    remarks = [each.set_handles(ends(mesh[0], 2.6), **regions).remarks for each in (exact, method)]
-    assert (remarks[0], remarks[1][0][:35]) == ([], "solved by iterations on a multigrid")
+    bound = [each.set_handles(ends(mesh[0], 2.6), **regions) for each in (exact, method)]
+    assert [(report.factorizations > 0, report.remarks) for report in bound] == [(True, []), (False, [])]
     (truth, by_factor), (moved, report) = exact.solve(bent), method.solve(bent)
     assert off(moved, truth) < 1e-4 * spread(*mesh)
     assert report.energy == pytest.approx(by_factor.energy, 1e-5)

@@ -58,5 +58,5 @@ def test_the_panel_says_what_a_surface_method_uses_instead():
     limbs = Rig(obj, edge=3.0).bind("multiresolution")
     assert not told(limbs, "bands are used", bands=1)
     (line,) = told(limbs, "bands are used", bands=8)
-    assert line.startswith("only ")
+    assert line.startswith("Only ")
     assert " of 8 " in line

@@ -8,7 +8,7 @@ from bpy.types import Depsgraph, Object
 
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.status import Level, Remedy, Status
+from ....core.status import Level, Remedy, Status, warnings_of
 from ....properties import SinewDeformer
 from ...datablocks import libraries, parts
 from ...state.evaluation import ControlState, Evaluation
@@ -68,7 +68,7 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
         unused.append(f"{len(request.unused) - _NAMED:,} more regions are not used")
     lines = [Status(Level.WARNING, text, left_out=True) for text in unused]
     if report is not None:
-        lines += [Status(Level.WARNING, remark) for remark in report.remarks]
+        lines += warnings_of(report.remarks)
     if request.stiff:
         lines.append(Status(Level.INFO, request.stiff))
     if request.recipe.method.is_space:

@@ -12,7 +12,7 @@ from ....backend import ControlPoints, Faces, Refusal
 from ....compat import read_faces, read_lattice
 from ....core.elements import Elements
 from ....core.errors import ConstraintError
-from ....core.status import Level, Remedy, Status
+from ....core.status import Level, Remedy, Status, warnings_of
 from ....ids import Keys
 from ....mesh_io import RestShape
 from ....properties import SinewControl, SinewDeformer
@@ -154,7 +154,7 @@ class LatticeKind(ObjectKind):
         return replace(found, recipe=replace(found.recipe, control=lattice), control=_in_words(lattice))
 
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
-        lines = [Status(Level.WARNING, remark) for remark in report.remarks]
+        lines = warnings_of(report.remarks)
         if len(report.outside) and len(request.rest.points):
             lines.append(Status(Level.INFO, *request.outside(report.outside, self.NOUN)))
         return tuple(lines)

@@ -236,12 +236,10 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
     self.bound = std::move(next);
     if (!self.bound->graph.iterates())
         self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
-    else
-        report.remarks.push_back(iteration_remark(static_cast<int>(self.bound->cascade.levels().size()) + 1,
-                                                  self.bound->bytes(), why));
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
     report.factor_bytes = self.bound->bytes();
+    remark_iterations(report, why);
 }
 
 void Arap::swap_binding(SurfaceMethod& other)

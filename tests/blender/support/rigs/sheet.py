@@ -21,6 +21,7 @@ class Sheet:
         def record(*args, **keywords):
             settings = SimpleNamespace()
             self.calls.append((name, args, keywords, settings))
+            assert keywords.get("text", name) or "expand" not in keywords, "buttons without names"
             if not self.enabled:
                 self.greyed.extend(arg for arg in args if isinstance(arg, str))
             if name == "operator" and "depress" in keywords:
