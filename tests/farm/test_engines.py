@@ -186,6 +186,9 @@ def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
     )
     bakes.chmod(0o755)
     said(*FARM, "dask", shot, *words[:2], "--blender", bakes, *WORDS, tmp_path, code=3)
+    assert not [
+        each for each in psutil.process_iter(["cmdline"]) if str(bakes) in (each.info["cmdline"] or ())
+    ]
 
 
 @pytest.mark.skipif("SINEW_LONG_TESTS" not in os.environ, reason="it takes gigabytes, and minutes")
