@@ -225,10 +225,10 @@ def test_each_name_in_italics_is_shown_by_sinew_or_blender():
 
 @functools.cache
 def is_message(entry: str) -> bool:
-    """Whether the add-on has such a sentence, or the library a clause of it."""
+    """Whether the add-on has such a sentence, or the library a clause of it, perhaps without the capital."""
     if any(messages.says(sentence, entry) for sentence in messages.of_the_addon()):
         return True
-    return any(clause in entry for clause in messages.of_the_library())
+    return any(clause in text for clause in messages.of_the_library() for text in (entry, entry.lower()))
 
 
 def test_each_key_with_a_modifier_does_something():
