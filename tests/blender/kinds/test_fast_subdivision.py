@@ -47,7 +47,7 @@ def assert_as_blender(obj: bpy.types.Object, tolerance: float = TOLERANCE) -> No
     blenders = of_mesh(obj)
     by.show_viewport, ours.show_viewport = False, True
     size = np.linalg.norm(np.ptp(own["points"], axis=0))
-    assert np.array_equal(own["corners"], blenders["corners"])
+    np.testing.assert_array_equal(own["corners"], blenders["corners"])
     *apart, farthest = np.sort(np.abs(own["points"] - blenders["points"]).max(axis=1))
     assert max(apart) < TOLERANCE * size
     assert farthest < tolerance * size

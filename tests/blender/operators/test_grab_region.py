@@ -385,7 +385,7 @@ def test_what_was_confirmed_is_what_the_properties_repeat(method: str):
     hand.tool.grab.restore(obj)
     assert np.array_equal(edited(obj), before)
     grab(mode="ROTATE", angle=motion.angle, axis=motion.axis, radius=hand.tool.radius, method=method)
-    assert np.array_equal(edited(obj), after)
+    np.testing.assert_array_equal(edited(obj), after)
 
 
 def test_the_wheel_changes_how_much_follows(hand: Hand):
