@@ -48,8 +48,8 @@ public:
     /// (nodes) b of the next cycle, on the free nodes of the finest level.
     std::vector<Four>& right_side() { return work_.front().b; }
 
-    /// x = one cycle for A x = b. Cost: nine products with A for each visit of a level. Smoothers whose bounds of eigenvalues are
-    /// too small make a cycle that is not positive definite: then they are raised, and it begins again.
+    /// x = one cycle for A x = b. Cost: nine products with A for each visit of a level. Smoothers whose bounds of
+    /// eigenvalues are too small make a cycle that is not positive definite: then they are raised, and it begins again.
     /// \return (nodes) of the finest level, which the next call changes; null where no bounds help.
     const std::vector<Wide>* cycle();
     int raises() const { return raises_; } ///< of the bounds, so far

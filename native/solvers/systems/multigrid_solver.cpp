@@ -18,7 +18,7 @@ namespace sinew {
 namespace {
 
 constexpr double tolerance = 5e-5;
-constexpr int twice_from = 2; ///< these levels cost little, and a fifth of the iterations goes
+constexpr int twice_from = 2; ///< a level that costs little; a fifth of the iterations is saved
 constexpr int most_iterations = 300;
 constexpr int most_restarts = 3; ///< from the residual of the solution, where rounding made another one of it
 constexpr double restarted = 2; ///< times the tolerance: an error that takes a restart
