@@ -3,9 +3,16 @@
 
 namespace sinew::matrices {
 
+namespace {
+
+/// The unknown of each node.
+std::vector<int> names(int side) { return shapes::Random(11).shuffled(side * side); }
+
+} // namespace
+
 SparseMatrix shuffled_grid(int side, double shift)
 {
-    const std::vector<int> name = shapes::Random(11).shuffled(side * side);
+    const std::vector<int> name = names(side);
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](int i, int j, double value) { entries.emplace_back(name[i], name[j], value); };
     for (int y = 0; y < side; ++y)
@@ -23,6 +30,15 @@ SparseMatrix shuffled_grid(int side, double shift)
     SparseMatrix matrix(side * side, side * side);
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
+}
+
+Points points_of_shuffled_grid(int side)
+{
+    const std::vector<int> name = names(side);
+    Points points(side * side, 3);
+    for (int i = 0; i < side * side; ++i)
+        points.row(name[i]) = Eigen::RowVector3d(i % side, i / side, 0.0);
+    return points;
 }
 
 SparseMatrix random_spd(int n, int seed, int entries_per_row)

@@ -10,6 +10,9 @@ namespace sinew::matrices {
 /// Five-point Laplacian plus `shift` times the identity on a square grid, its unknowns shuffled.
 SparseMatrix shuffled_grid(int side, double shift = 0.01);
 
+/// The points of its unknowns, a unit apart.
+Points points_of_shuffled_grid(int side);
+
 /// Symmetric positive definite with a random pattern; eigenvalues of at least 0.5.
 SparseMatrix random_spd(int n, int seed, int entries_per_row = 4);
 
