@@ -62,6 +62,7 @@ class Operators:
     FAST_SUBDIVISION = "sinew.fast_subdivision"
     ARMATURE_OFF = "sinew.armature_off"
     KEEP_INSIDE = "sinew.keep_inside"
+    USE_FACTOR = "sinew.use_factor"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
     DRAG_PRESS = "sinew.drag_press"

@@ -100,6 +100,8 @@ def _translated(native) -> Iterator[None]:
     except native.Error as error:
         error_class = _TRANSLATION.get(type(error).__name__, SinewError)
         remedy = Remedy.REPAIR if error_class in _REPAIRABLE and error.elements else None
+        if "choose the factor" in str(error):
+            remedy = Remedy.USE_FACTOR
         elements = Elements(Owner.TARGET, error.element_kind, error.elements)
         raise error_class(str(error), elements, remedy) from error
     except MemoryError as error:

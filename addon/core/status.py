@@ -44,6 +44,7 @@ class Remedy(Flag):
     FIND_FILE = auto()
     QUICK_CAGE = auto()
     STOP_REFINING = auto()
+    USE_FACTOR = auto()
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,7 @@ from .deformer.repair import (
     SINEW_OT_part_regions,
     SINEW_OT_refine,
     SINEW_OT_repair,
+    SINEW_OT_use_factor,
 )
 from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted
@@ -157,6 +158,7 @@ _CLASSES = (
     SINEW_OT_fast_subdivision,
     SINEW_OT_armature_off,
     SINEW_OT_keep_inside,
+    SINEW_OT_use_factor,
     SINEW_OT_select_distorted,
     SINEW_OT_diagnose,
     SINEW_OT_select_unusual,

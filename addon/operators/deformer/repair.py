@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
+"""Remedies: mend the mesh, separate regions that share vertices, use more cells or another solver, and move a
+mesh once.
+"""
 
 from bpy.props import BoolProperty, EnumProperty
-from bpy.types import Context, Object, Operator
+from bpy.types import Context, Object, Operator, PropertyGroup
 
 from ...core.errors import SinewError
 from ...core.labels import label_of
 from ...ids import Operators
-from ...properties import field
+from ...properties import SinewDeformer, field
 from ...session.actions import bind, refining, repair, surveying
 from ...session.actions.handles import overlaps
 from ...session.actions.repair import RepairOptions
@@ -176,6 +178,32 @@ class SINEW_OT_refine(OnDeformer, Operator):
             label, value = refining.refine(obj.sinew.active)
         self.tell({"INFO"}, f"{label}: {value:,}")
         return {"FINISHED"}
+
+
+class SINEW_OT_use_factor(OnDeformer, Operator):
+    """Solve by a factor, which takes more memory, where iterations do not come to an end"""
+
+    bl_idname = Operators.USE_FACTOR
+    bl_label = "Use Factor"
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
+        deformer = target_of(context).sinew.active
+        return "" if _solved(deformer) else f"{label_of(deformer.definition)} has no choice of solvers"
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        for parameters in _solved(target_of(context).sinew.active):
+            parameters.solver = "factor"
+        return {"FINISHED"}
+
+
+def _solved(deformer: SinewDeformer) -> list[PropertyGroup]:
+    """The parameters with a choice of solvers."""
+    return [parameters for _method, parameters in deformer.methods if hasattr(parameters, "solver")]
 
 
 class SINEW_OT_armature_off(OnDeformer, Operator):

@@ -23,7 +23,8 @@ def test_every_operator_has_its_undo_tested():
     """What changes nothing leaves no step. Some are tested where the operator is, one changes the mode."""
     names = set(dir(bpy.ops.sinew))
     with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
-    elsewhere = {"handle_stand", "puppet_pin", "puppet_rig", "armature_off", "refine", "keep_inside"}
+    elsewhere = {"handle_stand", "puppet_pin", "puppet_rig", "armature_off"}
+    elsewhere |= {"keep_inside", "refine", "use_factor"}
     assert with_undo == {*elsewhere, "control_edit", *(names & set(BUTTONS) - {"start_task"})}
     without = {"cancel", "check_installation", "diagnose", "help"}
     without |= {"key_jump", "preset_add", "report_renders", "watch"}

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scripts and operators give the same; the add-on comes and goes without a trace."""
 
+import bpy
 import numpy as np
 import pytest
 from inside import inner, notes_of
 from rigs.cages import ball
-from rigs.rig import Rig, base_points, press, update
+from rigs.rig import Rig, base_points, press, push, refused, update
 
 
 def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
@@ -60,3 +61,23 @@ def test_the_panel_says_what_a_surface_method_uses_instead():
     (line,) = told(limbs, "bands are used", bands=8)
     assert line.startswith("Only ")
     assert " of 8 " in line
+
+
+def test_a_factor_is_offered_where_iterations_cannot_solve(plate: Rig):
+    """The energy of variation has no multigrid."""
+    plate.bind("thin_shell").lift(0.3)
+    plate.deformer.thin_shell.variation = 0.1
+    update()
+    by_factor = plate.points()
+    assert told(plate, "choose the factor", solver="multigrid") == []
+    line = inner.status.current(plate.deformer.uid)
+    assert ("choose the factor" in line.text, line.remedy) == (True, inner.status.Remedy.USE_FACTOR)
+    push("Refused")
+    press(plate.obj, "use_factor")
+    assert plate.deformer.status_level == "INFO", plate.deformer.status
+    assert np.array_equal(plate.points(), by_factor)
+    plate.deformer.method = "laplacian_editing"
+    refused("has no choice of solvers", "use_factor", plate.obj)
+    push("Used")
+    bpy.ops.ed.undo()
+    assert bpy.context.object.sinew.active.thin_shell.solver == "multigrid"
