@@ -83,6 +83,14 @@ def system_offences(root: Path) -> list[str]:
     return matching(root, others, {"only native/core may ask for a system": SYSTEM})
 
 
+def last_bit_offences(root: Path) -> list[str]:
+    """The same motion gives the same bits: see ``circle`` in the frames of the add-on. Colours need not."""
+    function = r"\bnp\.(?:sin|cos|tan|arc\w+|exp\w*|log\w*|cbrt|\w*power)\("
+    rooms = (root / "addon/ui", root / "addon/core/geometry/distortion.py")
+    paths = (path for path in files(root, "addon", ".py") if not {path, *path.parents}.intersection(rooms))
+    return matching(root, paths, {"the last bit depends on where arrays lie": function})
+
+
 def class_name_offences(root: Path) -> list[str]:
     """No two classes of one namespace share a name, as the linker would mix their functions."""
     first: dict[str, str] = {}

@@ -45,6 +45,12 @@ def test_only_the_core_asks_for_a_system(tmp_path: Path) -> None:
     assert offence.startswith("native/mesh/a.cpp:2:")
 
 
+def test_only_colours_may_differ_in_the_last_bit(tmp_path: Path) -> None:
+    places = ("addon/core/a.py", "addon/ui/a.py", "addon/core/geometry/distortion.py")
+    (offence,) = sources.last_bit_offences(grow(tmp_path, dict.fromkeys(places, "y = np.arctan2(1, x)\n")))
+    assert offence.startswith("addon/core/a.py:1:")
+
+
 def test_two_classes_of_one_name_are_found(tmp_path: Path) -> None:
     of_all = "namespace sinew {{\n{}class Factor\n{{\n}};\n{}}} // namespace sinew\n"
     alone = of_all.format("namespace {\n", "} // namespace\n")

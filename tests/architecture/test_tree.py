@@ -28,7 +28,7 @@ def test_no_offence_in_this_tree(rule: Callable[[Path], list[str]]) -> None:
 def test_there_is_something_to_find_offences_in() -> None:
     assert list(files(ROOT, "native", ".cpp"))
     assert list(files(ROOT, "addon", ".py"))
-    assert len(RULES) == 13
+    assert len(RULES) == 14
     assert registry.rows(ROOT)
     assert len(list(sources.sources(ROOT))) > 20
     assert sum(len(list(links.links(page))) for page in files(ROOT, ".", ".md")) > 30

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from . import frames
+
 _FLATNESS = 1e-5  # of the size; coordinates have single precision
 _NARROW = 1e-3  # points on a line are no flat shape
 _DIRECTIONS = 32  # in which the outline keeps its distance
@@ -44,8 +46,7 @@ def around(points: np.ndarray, margin: float, triangles: int) -> np.ndarray | No
         return None
     middle, axes = found
     flat = (points - middle) @ axes[:2].T
-    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    directions = np.stack((np.cos(angles), np.sin(angles)), 1)
+    directions = frames.circle(_DIRECTIONS)
     reach = margin * float(np.linalg.norm(np.ptp(flat, axis=0)))
     far = (flat @ directions.T).max(0) + reach
     corners = _corners(directions, far, 1e-3 * reach)

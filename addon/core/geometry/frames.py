@@ -2,6 +2,7 @@
 """Frames and poses, as NumPy arrays: points are (n, 3) rows, matrices act on columns."""
 
 from functools import lru_cache
+from math import cos, pi, sin
 
 import numpy as np
 
@@ -13,6 +14,15 @@ FARTHEST = 1e18  # Blender stores an infinite coordinate as the largest float, w
 def are_valid(points: np.ndarray) -> np.ndarray:
     """Which points (n, 3) are valid: neither NaN nor infinite, nor so far away that squares overflow."""
     return (np.abs(points) < FARTHEST).all(axis=1)
+
+
+def circle(count: int) -> np.ndarray:
+    """Points (count, 2) on the unit circle at equal distances, counterclockwise from (1, 0).
+
+    Sine and cosine are those of ``math``: the last bit of those of NumPy 1 depends on where arrays lie in
+    memory, so that the same call may give other bits.
+    """
+    return np.array([(cos(turn), sin(turn)) for turn in (2.0 * pi * k / count for k in range(count))])
 
 
 def newell_normals(points: np.ndarray, counts: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -39,8 +39,7 @@ def cylinder(across: int, rings: int, along: int) -> Cells:
     core = inner * _towards_disk(square)
     at = np.arange((across + 1) ** 2).reshape(across + 1, across + 1)
     rim = np.concatenate((at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]))
-    angles = np.arctan2(square[rim, 1], square[rim, 0])
-    circle = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    circle = square[rim] / np.linalg.norm(square[rim], axis=1, keepdims=True)
     shares = np.arange(1, rings + 1)[:, None, None] / rings
     outer = ((1.0 - shares) * core[rim] + shares * 0.5 * circle).reshape(-1, 2)
     flat = np.concatenate((core, outer))

@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from math import isfinite, sin
 
 import numpy as np
 
@@ -64,11 +65,12 @@ class Motion:
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Rodrigues' formula, (3, 3); the identity for an axis without length."""
+    """Rodrigues' formula, (3, 3); the identity for an axis without length, NaN for an infinite angle."""
     length = np.linalg.norm(axis)
     if length == 0.0:
         return np.eye(3)
     x, y, z = axis / length
     K = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-    with np.errstate(invalid="ignore"):  # an infinite angle gives NaN
-        return np.eye(3) + np.sin(angle) * K + 2.0 * np.sin(0.5 * angle) ** 2 * (K @ K)
+    if not isfinite(angle):
+        return np.full((3, 3), np.nan)
+    return np.eye(3) + sin(angle) * K + 2.0 * sin(0.5 * angle) ** 2 * (K @ K)

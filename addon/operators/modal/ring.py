@@ -7,6 +7,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from ...compat import smooth_colour_shader
+from ...core.geometry import frames
 
 _SIDES = 48
 
@@ -18,8 +19,8 @@ def ring(place: np.ndarray, normal: np.ndarray, radius: float) -> np.ndarray:
     helper = np.eye(3)[np.argmin(np.abs(normal))]
     across = np.cross(normal, helper)
     across /= np.linalg.norm(across)
-    angles = np.linspace(0.0, 2.0 * np.pi, _SIDES + 1)[:, None]
-    return place + radius * (np.cos(angles) * across + np.sin(angles) * np.cross(normal, across))
+    circle = frames.circle(_SIDES) @ (across, np.cross(normal, across))
+    return place + radius * np.concatenate((circle, circle[:1]))
 
 
 def draw_line(

@@ -19,6 +19,7 @@ from ... import compat
 from ...backend import RefinedSurface, Subdivision
 from ...compat import read_creases, read_edges, read_faces, read_positions, remove_data, write_positions
 from ...core.errors import MeshError, SinewError
+from ...core.geometry import frames
 from ...core.memory import remember
 from ...ids import Datablocks, Inputs, Keys
 from ...mesh_io import Incoming, read_incoming
@@ -311,13 +312,11 @@ def _pattern(sizes: np.ndarray, how: Subdivision, by: Modifier) -> tuple[np.ndar
     """Blender's parts of regular polygons of these sizes: which part each is in the library (p,), and which
     corner of it each corner is (p, 4).
     """
-    angles = np.concatenate([np.arange(size) * (2.0 * np.pi / size) for size in sizes])
-    points = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(len(angles))))
-    points[:, 0] += np.repeat(3.0 * np.arange(len(sizes)), sizes)
+    around = np.concatenate([frames.circle(size) + (3.0 * at, 0.0) for at, size in enumerate(sizes)])
     ends = np.cumsum(sizes)
     flat = bpy.data.meshes.new(Datablocks.REFINED)
     polygons = [list(range(end - size, end)) for size, end in zip(sizes, ends, strict=True)]
-    flat.from_pydata(points.tolist(), [], polygons)
+    flat.from_pydata([(x, y, 0.0) for x, y in around.tolist()], [], polygons)
     made = [flat]
     try:
         made.append(_subdivided(flat, by, subdivision_type="SIMPLE"))

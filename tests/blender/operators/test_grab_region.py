@@ -388,6 +388,13 @@ def test_what_was_confirmed_is_what_the_properties_repeat(method: str):
     np.testing.assert_array_equal(edited(obj), after)
 
 
+def test_a_turn_has_the_bits_of_the_standard_library():
+    """Those of the sine of NumPy 1 depend on where its numbers lie in memory."""
+    for angle in np.linspace(-3.0, 3.0, 1000).tolist():
+        motion = inner.typed_motion.Motion(inner.typed_motion.Mode.ROTATE, angle=angle, axis=(0.0, 1.0, 0.0))
+        assert motion.matrix(np.eye(3), np.zeros(3))[0, 2] == math.sin(angle)
+
+
 def test_the_wheel_changes_how_much_follows(hand: Hand):
     def moved() -> int:
         return (edited(hand.obj) != hand.before).any(axis=1).sum()

@@ -130,7 +130,7 @@ class PuppetDrag:
             support=self._support,
             up=self._up,
         )
-        scale = np.cbrt(abs(np.linalg.det(self._world[:3, :3])))
+        scale = abs(float(np.linalg.det(self._world[:3, :3]))) ** (1.0 / 3.0)
         self.gap = float(found.gaps[:count].max()) * scale
         self.overhang = found.overhang * scale
         self._write(armature, found)
