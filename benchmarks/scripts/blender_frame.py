@@ -13,6 +13,7 @@ import json
 import math
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial
@@ -187,14 +188,15 @@ SPENT: dict[str, float] = {}  # the seconds in functions, by their names, until 
 
 
 def count(owner: object, name: str) -> None:
-    """Let SPENT tell how long the calls of a function take."""
+    """Let SPENT tell how long the calls of a function take. ``timed`` would add a tenth of a millisecond."""
     call = getattr(owner, name)
 
     def counted(*arguments, **keywords):
-        answer = []
-        seconds = timed(lambda: answer.append(call(*arguments, **keywords)))
-        SPENT[name] = SPENT.get(name, 0.0) + seconds
-        return answer[0]
+        begin = time.perf_counter()
+        try:
+            return call(*arguments, **keywords)
+        finally:
+            SPENT[name] = SPENT.get(name, 0.0) + time.perf_counter() - begin
 
     setattr(owner, name, counted)
 
