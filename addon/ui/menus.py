@@ -115,6 +115,7 @@ class SINEW_MT_problems(Menu):
         layout.operator(Operators.REFINE, icon="MESH_GRID")
         layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
         layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
+        layout.operator(Operators.USE_FACTOR, icon="MEMORY")
 
 
 class SINEW_MT_prepare(Menu):

@@ -54,7 +54,7 @@ _BUTTONS: dict[Remedy, Button] = {
     Remedy.ARMATURE_OFF: Button(Operators.ARMATURE_OFF, "Turn Off Armature", "MOD_ARMATURE"),
     Remedy.KEEP_INSIDE: Button(Operators.KEEP_INSIDE, "Keep Inside Parts", "PINNED"),
     Remedy.STOP_REFINING: Button(Operators.FAST_SUBDIVISION, "Stop Fast Subdivision", "X", (("stop", True),)),
-    Remedy.USE_FACTOR: Button(Operators.USE_FACTOR, "Use Factor"),
+    Remedy.USE_FACTOR: Button(Operators.USE_FACTOR, "Use Factor", "MEMORY"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
     Remedy.FIND_FILE: Button(Operators.BAKE_FIND, "Find File...", "FILEBROWSER"),

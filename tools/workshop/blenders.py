@@ -40,8 +40,8 @@ def layer_of(version: str) -> str:
 
 
 def conditions(name: str) -> dict[str, str]:
-    """Lets freed memory be overwritten, which finds dangling pointers, and gives each layer its own seed. Debian's
-    Blender takes memory from jemalloc, the others from glibc."""
+    """Lets freed memory be overwritten, which finds dangling pointers, and gives each layer its own seed.
+    Debian's Blender takes memory from jemalloc, the others from glibc."""
     between = any(name == layer_of(version) for version in LONG_TERM_BLENDERS)
     wanted = {
         "MALLOC_PERTURB_": "165",

@@ -181,7 +181,7 @@ class SINEW_OT_refine(OnDeformer, Operator):
 
 
 class SINEW_OT_use_factor(OnDeformer, Operator):
-    """Solve by a factor, which takes more memory, where iterations do not come to an end"""
+    """Use a factor, which takes more memory, where iterations do not come to an end"""
 
     bl_idname = Operators.USE_FACTOR
     bl_label = "Use Factor"
